@@ -4,6 +4,7 @@
 Usage: check_test.py SEAM SOURCE_DIR [unittest arguments]
 """
 import csv
+import json
 import os
 import pathlib
 import shutil
@@ -160,10 +161,15 @@ class Sets(unittest.TestCase):
                 row["x_m"] = -float(row["x_m"])
             return rows
         folder = self.spoilt(change)
-        code, text = seam("compare", "--model", NOMINAL, "--data", folder)
+        result, page = self.folder / "axes.json", self.folder / "axes.html"
+        code, text = seam("compare", "--model", NOMINAL, "--data", folder, "--json", result, "--report", page)
         self.assertEqual(code, 0, text)
         self.assertIn("units? axes?", text)
         self.assertIn("stands behind the camera, one of ", text)
+        # The terminal, the JSON and the page say the same first.
+        found = json.loads(result.read_text(encoding="utf-8"))
+        self.assertEqual(text.splitlines()[:1 + len(found["doubts"])], [found["headline"], *found["doubts"]])
+        self.assertIn("units? axes?", page.read_text(encoding="utf-8"))
 
     def test_names_that_lead_out(self):
         secret = self.folder / "secret.csv"

@@ -98,7 +98,7 @@ ROOMS = {
         "search": ["numerics", "problem", "fitting", "infer"],
         "search/models": ["fitting", "search"],
         "suggest": ["numerics", "problem", "fitting", "search"],
-        "report": ["problem", "fitting", "infer", "search", "search/models", "suggest"],
+        "report": ["sets", "problem", "fitting", "infer", "search", "search/models", "suggest"],
         "study": ["imaging", "kinds", "search"],
     },
     "robot_sdk": {

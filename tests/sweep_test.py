@@ -271,6 +271,8 @@ keep:
             self.seam("sweep", "plot", "r.sqlite", "--value", "error_m", "--over", "x_m", "--out", name)
             self.assertEqual((self.here / name).read_bytes()[:len(start)], start)
         self.assertRegex((self.here / "c.svg").read_text(), r"rgb\( *0, *114, *178\)")  # The reports' blue.
+        self.assertIn("mean of error (m)", (self.here / "c.svg").read_text())
+        self.assertIn("fill-opacity", (self.here / "c.svg").read_text())  # The interval is a band.
         self.seam("sweep", "plot", "r.sqlite", "--value", "error_m", "--over", "x_m", "--out", "c.jpg", code=2)
 
     def check_schema(self, *files):

@@ -113,10 +113,4 @@ std::vector<std::string> doubts(const MeasurementSet& set, const Model& model, d
   return lines;
 }
 
-std::string doubts_text(const MeasurementSet& set, const Model& model, double error) {
-  std::string text;
-  for (const std::string& line : doubts(set, model, error)) text += line + "\n";
-  return text;
-}
-
 }  // namespace seam::measurement

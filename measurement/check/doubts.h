@@ -20,7 +20,4 @@ std::string behind_the_camera(const MeasurementSet& set, const Kind& kind,
 std::vector<std::string> doubts(const MeasurementSet& set, const effects::Model& model,
                                 double error);
 
-// The same as one text, each line ended.
-std::string doubts_text(const MeasurementSet& set, const effects::Model& model, double error);
-
 }  // namespace seam::measurement

@@ -148,6 +148,19 @@ std::string headline(const Problem& problem, const SearchResult& result, size_t 
   return fmt::format("What matters: {}\n", steps_text(result));
 }
 
+const std::vector<Structure>& traces_told(const SearchResult& result) {
+  return result.verdict == "unexplained_structure" ? result.remaining_traces : result.base_traces;
+}
+
+std::string diagnose_headline(const Problem& problem, const SearchResult& result) {
+  return headline(problem, result,
+                  traces_told(result).size() + traces_of(result.first.candidates).size());
+}
+
+std::string discover_headline(const Problem& problem, const SearchResult& result) {
+  return headline(problem, result, result.remaining_traces.size() + result.last_traces.size());
+}
+
 std::string traces_text(const Facts& facts, const std::vector<Structure>& structure,
                         const std::vector<Candidate>& candidates) {
   std::vector<std::string> names;

@@ -216,6 +216,9 @@ std::string difference_text(const LensMap& map, const std::string& a, const std:
   const auto seen = std::count_if(map.size_px.begin(), map.size_px.end(),
                                   [](double size) { return std::isfinite(size); });
   const std::string whose = map.camera.empty() ? "" : fmt::format("camera {}: ", map.camera);
+  if (map.largest_px() < kLeastShift_px)
+    return fmt::format("{}{} and {} agree: no place differs by {:g} px\n", whose, a, b,
+                       kLeastShift_px);
   std::string text = fmt::format(
       "{}{} and {}: half of the image differs by more than {:.3g} px, at most by {:.3g} px at "
       "column "

@@ -11,6 +11,9 @@
 
 namespace seam::measurement {
 
+// What a computation's last digits leave moves places by less.
+inline constexpr double kLeastShift_px = 1e-6;
+
 struct LensMap {
   std::string camera;  // Empty: of the one that there is, or of all that have none of their own.
   int columns = 0, rows = 0, width_px = 0, height_px = 0;

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "effects/registry.h"
+#include "measurement/report/data_pictures.h"
 #include "measurement/report/finite_or_null.h"
 #include "measurement/report/lens_map.h"
 #include "measurement/report/report_plots.h"
@@ -19,11 +20,13 @@ namespace {
 
 using nlohmann::json;
 
-// The models that a page lays beside each other.
+// The models that a page lays beside each other, each with the structure of its own residuals.
 struct Stages {
   const Assessment* before = nullptr;
+  std::vector<Structure> before_structure;
   const Assessment* after = nullptr;  // May be missing.
-  std::vector<std::string> added;     // Effects of `after` that `before` lacks.
+  std::vector<Structure> after_structure;
+  std::vector<std::string> added;  // Effects of `after` that `before` lacks.
 };
 
 json model_json(const Model& model, const std::string& file) {
@@ -51,16 +54,20 @@ json data_json(const Problem& problem, const Assessment& before, const std::stri
     noise[channel.name] = finite_or_null<json>(channel.noise);
     estimated = estimated || channel.estimated;
   }
-  return {{"folder", folder},
-          {"title", facts.title},
-          {"kind", facts.kind()},
-          {"fingerprint", facts.fingerprint},
-          {"n", std::max(before.held.n, static_cast<int64_t>(count_used(problem)))},
-          {"groups", facts.groups.size()},
-          {"held_out_n", before.held.n},
-          {"held_out_groups", std::count(shown.begin(), shown.end(), 1)},
-          {"noise", std::move(noise)},
-          {"noise_from", estimated ? "estimated" : "file"}};
+  json data = {{"folder", folder},
+               {"title", facts.title},
+               {"kind", facts.kind()},
+               {"fingerprint", facts.fingerprint},
+               {"n", observations_used(problem)},
+               {"residuals", std::max(before.held.n, static_cast<int64_t>(count_used(problem)))},
+               {"groups", facts.groups.size()},
+               {"held_out_n", before.held.n},
+               {"held_out_groups", std::count(shown.begin(), shown.end(), 1)},
+               {"noise", std::move(noise)},
+               {"noise_from", estimated ? "estimated" : "file"}};
+  if (facts.width_px > 0)
+    data["image"] = {{"width_px", facts.width_px}, {"height_px", facts.height_px}};
+  return data;
 }
 
 // One cause shows in many places: of each residual two plots against a covariate and two against a
@@ -94,11 +101,42 @@ std::vector<Structure> chosen_for_plots(const Facts& facts,
   return chosen;
 }
 
-void append_stage(const Problem& problem, const Assessment& assessment, const std::string& stage,
-                  const std::vector<Structure>& structures, json& plots) {
-  const ResidualView view = problem.residual_view(assessment.model, problem.scored_groups());
-  for (const Structure& structure : chosen_for_plots(problem.facts(), structures)) {
-    json plot = residual_plot(view, structure, stage);
+bool same_look(const Structure& a, const Structure& b) {
+  return a.residual == b.residual && a.covariate == b.covariate && a.moment == b.moment;
+}
+
+// The model given beside the one found, where the search found a step.
+Stages stages_of(const SearchResult& result) {
+  Stages stages{.before = &result.base.assessment, .before_structure = result.base_structure};
+  if (result.steps.empty()) return stages;
+  stages.after = &result.best.assessment;
+  stages.added = result.best.added;
+  stages.after_structure = result.remaining;
+  return stages;
+}
+
+// What to plot of both models: what the last one leaves, then what the first one lacks.
+std::vector<Structure> looks_of(const Facts& facts, const Stages& stages) {
+  constexpr size_t kMost = 8;
+  std::vector<Structure> looks = chosen_for_plots(facts, stages.after_structure);
+  looks.resize(std::min(looks.size(), kMost / 2));
+  for (const Structure& other : chosen_for_plots(facts, stages.before_structure)) {
+    const bool is_there = std::any_of(
+        looks.begin(), looks.end(), [&](const Structure& look) { return same_look(look, other); });
+    if (!is_there && looks.size() < kMost) looks.push_back(other);
+  }
+  return looks;
+}
+
+// `found` is the structure of this stage's own residuals.
+void append_stage(const Problem& problem, const ResidualView& view, const std::string& stage,
+                  const std::vector<Structure>& looks, const std::vector<Structure>& found,
+                  json& plots) {
+  for (const Structure& look : looks) {
+    const auto own = std::find_if(found.begin(), found.end(),
+                                  [&](const Structure& s) { return same_look(s, look); });
+    const bool tested = own != found.end();
+    json plot = residual_plot(view, tested ? *own : look, tested, stage);
     if (!plot.is_null()) plots["residuals"].push_back(std::move(plot));
   }
   if (json arrows = arrow_plot(view, stage); !arrows.is_null())
@@ -108,7 +146,9 @@ void append_stage(const Problem& problem, const Assessment& assessment, const st
   append_histograms(view, problem.facts().channels.size(), stage, plots["histograms"]);
 }
 
-// The error without each effect that was fitted or added, the rest refitted.
+// What held-out groups lose without each effect that was fitted or added, the rest refitted. The
+// log-likelihood counts, which judges effects of the mean and of the spread alike: an error in
+// noise units falls where a spread grows to cover what is missing.
 json leave_one_out(const Problem& problem, const Assessment& whole,
                    const std::vector<std::string>& added) {
   constexpr size_t kMost = 8;
@@ -131,6 +171,7 @@ json leave_one_out(const Problem& problem, const Assessment& whole,
     const Assessment rest = assess(problem, without, unknowns);
     if (!rest.valid) continue;
     list.push_back({{"effect", name},
+                    {"log_likelihood_lost", finite_or_null<json>(whole.held_ll() - rest.held_ll())},
                     {"error_with", finite_or_null<json>(whole.error)},
                     {"error_without", finite_or_null<json>(rest.error)}});
   }
@@ -138,15 +179,28 @@ json leave_one_out(const Problem& problem, const Assessment& whole,
 }
 
 std::string document(const Problem& problem, const ReportHeader& header, const Stages& stages,
-                     const std::vector<Structure>& structures, const std::string& result) {
+                     const std::string& result) {
   json plots = json::object();
-  append_stage(problem, *stages.before, "before", structures, plots);
-  if (stages.after) append_stage(problem, *stages.after, "after", structures, plots);
+  const std::vector<Structure> looks = looks_of(problem.facts(), stages);
+  const Groups groups = problem.scored_groups();
+  const ResidualView before = problem.residual_view(stages.before->model, groups);
+  append_stage(problem, before, "before", looks, stages.before_structure, plots);
+  std::optional<ResidualView> after;
+  if (stages.after) {
+    after = problem.residual_view(stages.after->model, groups);
+    append_stage(problem, *after, "after", looks, stages.after_structure, plots);
+  }
+  append_data_pictures(problem, MeasurementSet::open(header.data_folder), before,
+                       after ? &*after : nullptr, plots);
   const Assessment& shown = stages.after ? *stages.after : *stages.before;
   const Facts& facts = problem.facts();
   if (facts.width_px > 0 && !shown.unknowns.empty()) {
     const auto maps = error_maps(shown, facts.width_px, facts.height_px);
-    if (!maps.empty())
+    // Values that move no place in the image leave a computation's last digits: no picture of them.
+    const bool any = std::any_of(maps.begin(), maps.end(), [](const LensMap& map) {
+      return map.largest_px() > kLeastShift_px;
+    });
+    if (any)
       plots["lens_error"] = maps_json(maps, stages.after ? "after" : "before", "Standard error");
   }
   if (json target = target_arrows(problem, shown.model); !target.empty())
@@ -168,36 +222,22 @@ std::string document(const Problem& problem, const ReportHeader& header, const S
 
 std::string compare_report(const Problem& problem, const CompareResult& result,
                            const ReportHeader& header) {
-  return document(problem, header, {.before = &result.base.assessment}, result.structure,
-                  compare_json(problem, result));
+  return document(problem, header,
+                  {.before = &result.base.assessment, .before_structure = result.structure},
+                  compare_json(problem, result, header.doubts));
 }
 
 std::string diagnose_report(const Problem& problem, const SearchResult& result,
+                            const std::optional<Suggestion>& suggestion,
                             const ReportHeader& header) {
-  Stages stages{.before = &result.base.assessment};
-  std::vector<Structure> structures = result.base_structure;
-  // The page shows the first step; where structure remains after all, what the last step leaves.
-  if (result.verdict == "unexplained_structure" && !result.steps.empty()) {
-    stages.after = &result.best.assessment;
-    stages.added = result.best.added;
-    structures.insert(structures.begin(), result.remaining.begin(), result.remaining.end());
-  } else if (!result.first.candidates.empty() && result.first.candidates.front().significant) {
-    stages.after = &result.first.candidates.front().grown.assessment;
-    stages.added = result.first.candidates.front().grown.added;
-  }
-  return document(problem, header, stages, structures, diagnose_json(problem, result));
+  return document(problem, header, stages_of(result),
+                  diagnose_json(problem, result, suggestion, header.doubts));
 }
 
 std::string discover_report(const Problem& problem, const SearchResult& result,
                             const ReportHeader& header) {
-  Stages stages{.before = &result.base.assessment};
-  if (!result.steps.empty()) {
-    stages.after = &result.best.assessment;
-    stages.added = result.best.added;
-  }
-  std::vector<Structure> structures = result.base_structure;
-  structures.insert(structures.begin(), result.remaining.begin(), result.remaining.end());
-  return document(problem, header, stages, structures, discover_json(problem, result));
+  return document(problem, header, stages_of(result),
+                  discover_json(problem, result, header.doubts));
 }
 
 std::string models_report(const std::vector<LensMap>& maps, const std::string& a,

@@ -13,11 +13,13 @@ struct ReportHeader {
   std::string command;  // As it was typed.
   std::string model_file;
   std::string data_folder;
+  Doubts doubts;
 };
 
 std::string compare_report(const Problem& problem, const CompareResult& result,
                            const ReportHeader& header);
 std::string diagnose_report(const Problem& problem, const SearchResult& result,
+                            const std::optional<Suggestion>& suggestion,
                             const ReportHeader& header);
 std::string discover_report(const Problem& problem, const SearchResult& result,
                             const ReportHeader& header);

@@ -13,12 +13,6 @@ namespace {
 
 using nlohmann::json;
 
-// Six digits are more than a plot shows; null for what JSON cannot write.
-json six_digits(double value) {
-  if (!std::isfinite(value)) return nullptr;
-  return std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr);
-}
-
 struct Sums {
   size_t n = 0;
   double x = 0, r = 0, r2 = 0, s2 = 0;
@@ -34,8 +28,13 @@ json bin_of(const Sums& sums, double low, double high) {
           {"scatter", six_digits(scatter)},   {"formal", six_digits(std::sqrt(sums.s2 / n))}};
 }
 
-// At most `most` indices in order, one of each k drawn by lot: rows repeat (a board's corners in
-// each frame), and every k-th one may be always the same few.
+}  // namespace
+
+json six_digits(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  return std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr);
+}
+
 std::vector<size_t> some_of(size_t count, size_t most) {
   const size_t k = std::max<size_t>(1, (count + most - 1) / most);
   std::vector<size_t> some;
@@ -47,9 +46,8 @@ std::vector<size_t> some_of(size_t count, size_t most) {
   return some;
 }
 
-}  // namespace
-
-json residual_plot(const ResidualView& view, const Structure& structure, const std::string& stage) {
+json residual_plot(const ResidualView& view, const Structure& structure, bool tested,
+                   const std::string& stage) {
   // Where the mean was averaged over repeats, single values show the spread.
   const ResidualView::Channel* channel =
       structure.moment == "spread" ? view.channel(structure.residual + " spread") : nullptr;
@@ -92,7 +90,7 @@ json residual_plot(const ResidualView& view, const Structure& structure, const s
   json plot = {{"residual", structure.residual}, {"covariate", structure.covariate},
                {"moment", structure.moment},     {"stage", stage},
                {"bins", std::move(list)},        {"sample", std::move(sample)}};
-  if (stage == "before") {
+  if (tested) {
     plot["strength"] = six_digits(structure.strength);
     plot["p_value"] = structure.p_value;
   }

@@ -9,9 +9,17 @@
 
 namespace seam::measurement {
 
+// Six digits are more than a plot shows; null for what JSON cannot write.
+nlohmann::json six_digits(double value);
+
+// At most `most` of `count` indices in order, one of each k drawn by lot: rows repeat (a board's
+// corners in each frame), and every k-th one may be always the same few.
+std::vector<size_t> some_of(size_t count, size_t most);
+
 // Residuals against one covariate: bins of equal number, and some of the residuals themselves.
-// Null where the view does not know the covariate or holds too few residuals.
-nlohmann::json residual_plot(const ResidualView& view, const Structure& structure,
+// Null where the view does not know the covariate or holds too few residuals. `tested`: strength
+// and p of the structure were found in these residuals; those of another model say nothing here.
+nlohmann::json residual_plot(const ResidualView& view, const Structure& structure, bool tested,
                              const std::string& stage);
 
 // Arrows over the image where there are u and v; null elsewhere.

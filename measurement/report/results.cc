@@ -133,9 +133,16 @@ std::vector<FreeError> free_errors(const Problem& problem, const Assessment& ass
                                  folds.size() == 1 ? folds.front() : problem.all_groups());
 }
 
-std::string compare_text(const Problem& problem, const CompareResult& result) {
+std::string doubts_text(const Doubts& doubts) {
+  std::string text;
+  for (const std::string& doubt : doubts) text += doubt + "\n";
+  return text;
+}
+
+std::string compare_text(const Problem& problem, const CompareResult& result,
+                         const Doubts& doubts) {
   const Assessment& base = result.base.assessment;
-  std::string text = headline(problem, result);
+  std::string text = headline(problem, result) + doubts_text(doubts);
   if (!base.held.valid)
     text +=
         "Some observations have no prediction with this model (points behind the camera, or beyond "
@@ -166,11 +173,11 @@ std::string compare_text(const Problem& problem, const CompareResult& result) {
   return text + traces_text(problem.facts(), result.traces, {}) + figures_text(problem, base);
 }
 
-std::string diagnose_text(const Problem& problem, const SearchResult& result) {
+std::string diagnose_text(const Problem& problem, const SearchResult& result,
+                          const Doubts& doubts) {
   const bool unexplained = result.verdict == "unexplained_structure";
-  const auto& trace_structure = unexplained ? result.remaining_traces : result.base_traces;
   const std::vector<Candidate> traces = traces_of(result.first.candidates);
-  std::string text = headline(problem, result, trace_structure.size() + traces.size());
+  std::string text = diagnose_headline(problem, result) + doubts_text(doubts);
   text += fmt::format("{}: error {:.4f} on held-out groups (1.0 is the noise)\n",
                       problem.facts().title, result.base.assessment.error);
   text += free_text(problem, result.base.assessment) +
@@ -186,16 +193,16 @@ std::string diagnose_text(const Problem& problem, const SearchResult& result) {
     text +=
         structure_lines(problem, (unexplained ? result.best : result.base).assessment, structure);
   }
-  text += traces_text(problem.facts(), trace_structure, traces);
+  text += traces_text(problem.facts(), traces_told(result), traces);
   text += findings_text(problem, result.best.assessment);
   const std::string advice = advice_for(problem, result);
   if (!advice.empty()) text += "advice: " + advice + "\n";
   return text + figures_text(problem, result.base.assessment);
 }
 
-std::string discover_text(const Problem& problem, const SearchResult& result) {
-  std::string text =
-      headline(problem, result, result.remaining_traces.size() + result.last_traces.size());
+std::string discover_text(const Problem& problem, const SearchResult& result,
+                          const Doubts& doubts) {
+  std::string text = discover_headline(problem, result) + doubts_text(doubts);
   text += fmt::format("{}: error {:.4f} on held-out groups before\n", problem.facts().title,
                       result.base.assessment.error);
   text += notes_text(problem, result.best.assessment.model) + outlier_text(result);

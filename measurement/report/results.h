@@ -9,15 +9,29 @@
 
 namespace seam::measurement {
 
-std::string compare_json(const Problem& problem, const CompareResult& result);
-std::string diagnose_json(const Problem& problem, const SearchResult& result,
-                          const std::optional<Suggestion>& suggestion = {});
-std::string discover_json(const Problem& problem, const SearchResult& result);
-std::string compare_text(const Problem& problem, const CompareResult& result);
-std::string diagnose_text(const Problem& problem, const SearchResult& result);
-std::string discover_text(const Problem& problem, const SearchResult& result);
+// Sentences that doubt the data (measurement/check/doubts.h). They follow the headline.
+using Doubts = std::vector<std::string>;
 
-std::string add_json(const Problem& problem, const AddResult& result, const std::string& format);
+std::string compare_json(const Problem& problem, const CompareResult& result,
+                         const Doubts& doubts = {});
+std::string diagnose_json(const Problem& problem, const SearchResult& result,
+                          const std::optional<Suggestion>& suggestion = {},
+                          const Doubts& doubts = {});
+std::string discover_json(const Problem& problem, const SearchResult& result,
+                          const Doubts& doubts = {});
+std::string compare_text(const Problem& problem, const CompareResult& result,
+                         const Doubts& doubts = {});
+std::string diagnose_text(const Problem& problem, const SearchResult& result,
+                          const Doubts& doubts = {});
+std::string discover_text(const Problem& problem, const SearchResult& result,
+                          const Doubts& doubts = {});
+std::string doubts_text(const Doubts& doubts);  // A line each.
+
+std::string add_json(const Problem& problem, const AddResult& result, const std::string& format,
+                     const Doubts& doubts = {});
+
+// How many observations take part: points, where each has a residual along u and one along v.
+int64_t observations_used(const Problem& problem);
 
 // Errors of free predictions on held-out groups; of all groups where each is held out in turn.
 std::vector<FreeError> free_errors(const Problem& problem, const Assessment& assessment);

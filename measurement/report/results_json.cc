@@ -207,16 +207,35 @@ void add_traces(ordered_json& json, double material, const ordered_json& structu
   json["traces"] = {{"structure", structure}, {"candidates", candidates}};
 }
 
+std::string without_newline(std::string line) {
+  if (line.ends_with('\n')) line.pop_back();
+  return line;
+}
+
 std::string dumped(const ordered_json& json) {
   return json.dump(1) + "\n";
 }
 
 }  // namespace
 
-std::string compare_json(const Problem& problem, const CompareResult& result) {
+int64_t observations_used(const Problem& problem) {
+  const Facts& facts = problem.facts();
+  if (facts.channels.size() < 2) return static_cast<int64_t>(count_used(problem));
+  std::vector<char> used(facts.rows(), 0);
+  for (size_t i = 0; i < facts.scalars(); ++i) {
+    if (!problem.left_out(i)) used[facts.row_of[i]] = 1;
+  }
+  return std::count(used.begin(), used.end(), 1);
+}
+
+std::string compare_json(const Problem& problem, const CompareResult& result,
+                         const Doubts& doubts) {
   ordered_json json = {{"format", "seam-compare/1"},
+                       {"headline", without_newline(headline(problem, result))},
+                       {"doubts", doubts},
                        {"kind", problem.facts().kind()},
                        {"n", count_used(problem)},
+                       {"observations", observations_used(problem)},
                        {"groups", problem.facts().groups.size()}};
   json.update(baseline_json(problem, result.base.assessment));
   add_noise(json, problem);
@@ -245,9 +264,11 @@ void add_unnamed(ordered_json& json, const SearchResult& result) {
 }
 
 std::string diagnose_json(const Problem& problem, const SearchResult& result,
-                          const std::optional<Suggestion>& suggestion) {
+                          const std::optional<Suggestion>& suggestion, const Doubts& doubts) {
   const Assessment& base = result.base.assessment;
   ordered_json json = {{"format", "seam-diagnose/1"},
+                       {"headline", without_newline(diagnose_headline(problem, result))},
+                       {"doubts", doubts},
                        {"kind", problem.facts().kind()},
                        {"n", problem.facts().rows()},
                        {"residuals", count_used(problem)},
@@ -262,8 +283,8 @@ std::string diagnose_json(const Problem& problem, const SearchResult& result,
   add_unnamed(json, result);
   const bool unexplained = result.verdict == "unexplained_structure";
   json["structure"] = structure_json(unexplained ? result.remaining : result.base_structure);
-  add_traces(json, result.material,
-             structure_json(unexplained ? result.remaining_traces : result.base_traces),
+  json["structure_of"] = unexplained ? "explanation" : "given";
+  add_traces(json, result.material, structure_json(traces_told(result)),
              candidates_json(result, base, traces_of(result.first.candidates)));
   ordered_json explanation = ordered_json::array();
   for (const Step& step : result.steps)
@@ -301,9 +322,12 @@ ordered_json kept_json(const SearchResult& result) {
   return list;
 }
 
-std::string discover_json(const Problem& problem, const SearchResult& result) {
+std::string discover_json(const Problem& problem, const SearchResult& result,
+                          const Doubts& doubts) {
   ordered_json json = {
       {"format", "seam-discover/1"},
+      {"headline", without_newline(discover_headline(problem, result))},
+      {"doubts", doubts},
       {"kind", problem.facts().kind()},
       {"verdict",
        result.verdict == "unexplained_structure" ? "unexplained_structure" : "adequate"}};
@@ -338,7 +362,8 @@ std::string discover_json(const Problem& problem, const SearchResult& result) {
   return dumped(json);
 }
 
-std::string add_json(const Problem& problem, const AddResult& result, const std::string& format) {
+std::string add_json(const Problem& problem, const AddResult& result, const std::string& format,
+                     const Doubts& doubts) {
   ordered_json parameters = ordered_json::object();
   for (const auto& [name, value] : result.parameters) {
     parameters[name] = {{"value", finite_or_null<ordered_json>(value.value)},
@@ -346,6 +371,7 @@ std::string add_json(const Problem& problem, const AddResult& result, const std:
                                               : ordered_json(nullptr)}};
   }
   ordered_json json = {{"format", format},
+                       {"doubts", doubts},
                        {"effect", result.effect},
                        {"replaced", result.replaced},
                        {"parameters", parameters},

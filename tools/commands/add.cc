@@ -21,6 +21,16 @@ std::string text_of(const measurement::AddResult& result) {
                             result.error_before, result.error_after);
 }
 
+void print_added(AnalysisOutputs& outputs, const AnalysisFlags& flags,
+                 const measurement::Problem& problem, const measurement::AddResult& result,
+                 const std::string& format) {
+  const auto doubts = doubts_about(flags, result.model, result.error_after);
+  outputs.print(measurement::doubts_text(doubts) + text_of(result) +
+                    measurement::target_text(problem, result.model) +
+                    measurement::figures_text(problem, result.assessment),
+                [&] { return measurement::add_json(problem, result, format, doubts); });
+}
+
 }  // namespace
 
 void add_add(app::Command app) {
@@ -45,10 +55,7 @@ void add_add(app::Command app) {
     const auto result = measurement::add_effects(*problem, model, effects);
     outputs.out.fill(result.model.to_yaml());
     if (outputs.target) outputs.target.fill(measurement::target_table(*problem, result.model));
-    outputs.print(doubts_about(*flags, result.model, result.error_after) + text_of(result) +
-                      measurement::target_text(*problem, result.model) +
-                      measurement::figures_text(*problem, result.assessment),
-                  [&] { return measurement::add_json(*problem, result, "seam-add/1"); });
+    print_added(outputs, *flags, *problem, result, "seam-add/1");
   });
 }
 
@@ -67,10 +74,7 @@ void add_fit(app::Command app) {
     const auto result = measurement::refit_all(*problem, model);
     outputs.out.fill(result.model.to_yaml());
     if (outputs.target) outputs.target.fill(measurement::target_table(*problem, result.model));
-    outputs.print(doubts_about(*flags, result.model, result.error_after) + text_of(result) +
-                      measurement::target_text(*problem, result.model) +
-                      measurement::figures_text(*problem, result.assessment),
-                  [&] { return measurement::add_json(*problem, result, "seam-fit/1"); });
+    print_added(outputs, *flags, *problem, result, "seam-fit/1");
   });
 }
 

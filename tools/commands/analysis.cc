@@ -63,19 +63,14 @@ void add_material_flag(app::Command command, AnalysisFlags& flags) {
       .show_default();
 }
 
-std::string doubts_about(const AnalysisFlags& flags, const effects::Model& model, double error) {
-  return measurement::doubts_text(measurement::MeasurementSet::open(flags.data), model, error);
+measurement::Doubts doubts_about(const AnalysisFlags& flags, const effects::Model& model,
+                                 double error) {
+  return measurement::doubts(measurement::MeasurementSet::open(flags.data), model, error);
 }
 
 double unexplained_error(const measurement::SearchResult& result) {
   const double found = result.best.assessment.error;
   return found < measurement::kMisfit ? found : result.base.assessment.error;
-}
-
-std::string with_doubts(const std::string& text, const AnalysisFlags& flags,
-                        const effects::Model& model, double error) {
-  const size_t second = text.find('\n') + 1;
-  return text.substr(0, second) + doubts_about(flags, model, error) + text.substr(second);
 }
 
 AnalysisOutputs::AnalysisOutputs(const AnalysisFlags& flags, const std::string& out_file) {
@@ -94,11 +89,13 @@ void AnalysisOutputs::print(const std::string& text,
   if (json) json.fill(make_json());
 }
 
-measurement::ReportHeader report_header(const std::string& command, const AnalysisFlags& flags) {
+measurement::ReportHeader report_header(const std::string& command, const AnalysisFlags& flags,
+                                        const measurement::Doubts& doubts) {
   return {.command = fmt::format("seam {} --model {} --data {} --report {}", command, flags.model,
                                  flags.data, flags.report),
           .model_file = flags.model,
-          .data_folder = flags.data};
+          .data_folder = flags.data,
+          .doubts = doubts};
 }
 
 measurement::Progress progress_to_terminal() {

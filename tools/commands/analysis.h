@@ -45,15 +45,12 @@ std::unique_ptr<measurement::Problem> open_problem(const AnalysisFlags& flags);
 
 effects::Model read_model(const std::string& path);
 
-// Doubts about the data under this model, for people: what stands before a command's results.
-std::string doubts_about(const AnalysisFlags& flags, const effects::Model& model, double error);
+// Doubts about the data under this model: what stands before a command's results.
+measurement::Doubts doubts_about(const AnalysisFlags& flags, const effects::Model& model,
+                                 double error);
 // Of a search: the error that speaks for such doubts, none of size where what was found explains
 // the set.
 double unexplained_error(const measurement::SearchResult& result);
-// A command's results for people with these doubts, which stand before all but the first line: that
-// one says what matters.
-std::string with_doubts(const std::string& text, const AnalysisFlags& flags,
-                        const effects::Model& model, double error);
 
 // What a command writes, claimed before it reads and computes: a path that cannot be written is
 // an error at once. `out` is a model or effect that the command makes.
@@ -72,7 +69,8 @@ struct AnalysisOutputs {
 };
 
 // What a report says of where it comes from: `seam <command> --model M --data D`.
-measurement::ReportHeader report_header(const std::string& command, const AnalysisFlags& flags);
+measurement::ReportHeader report_header(const std::string& command, const AnalysisFlags& flags,
+                                        const measurement::Doubts& doubts);
 
 // What goes on, for the line that AnalysisOutputs keeps on the terminal of who waits.
 measurement::Progress progress_to_terminal();

@@ -15,13 +15,13 @@ void compare_with_data(const AnalysisFlags& flags) {
   const effects::Model model = read_model(flags.model);
   const auto problem = open_problem(flags);
   const auto result = measurement::compare(*problem, model, flags.material);
-  outputs.print(with_doubts(measurement::compare_text(*problem, result), flags, model,
-                            result.base.assessment.error),
-                [&] { return measurement::compare_json(*problem, result); });
+  const auto doubts = doubts_about(flags, model, result.base.assessment.error);
+  outputs.print(measurement::compare_text(*problem, result, doubts),
+                [&] { return measurement::compare_json(*problem, result, doubts); });
   if (outputs.report) {
     measurement::write_report(
         outputs.report,
-        measurement::compare_report(*problem, result, report_header("compare", flags)));
+        measurement::compare_report(*problem, result, report_header("compare", flags, doubts)));
   }
 }
 

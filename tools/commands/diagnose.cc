@@ -51,18 +51,19 @@ void add_diagnose(app::Command app) {
     const auto result =
         measurement::search(*problem, model, own, progress_to_terminal(), flags->material);
     std::optional<measurement::Suggestion> suggestion;
-    std::string text = with_doubts(measurement::diagnose_text(*problem, result), *flags, model,
-                                   unexplained_error(result));
+    const auto doubts = doubts_about(*flags, model, unexplained_error(result));
+    std::string text = measurement::diagnose_text(*problem, result, doubts);
     if (!suggested->empty()) {
       suggestion = measurement::suggest(*problem, result, progress_to_terminal());
       text += text_of(suggestion, result, *suggested);
       if (suggestion) outputs.out.fill(suggestion->yaml);
     }
-    outputs.print(text, [&] { return measurement::diagnose_json(*problem, result, suggestion); });
+    outputs.print(text,
+                  [&] { return measurement::diagnose_json(*problem, result, suggestion, doubts); });
     if (outputs.report) {
       measurement::write_report(
-          outputs.report,
-          measurement::diagnose_report(*problem, result, report_header("diagnose", *flags)));
+          outputs.report, measurement::diagnose_report(*problem, result, suggestion,
+                                                       report_header("diagnose", *flags, doubts)));
     }
   });
 }

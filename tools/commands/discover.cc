@@ -32,13 +32,13 @@ void add_discover(app::Command app) {
     outputs.out.fill(measurement::discovered_model(*problem, model, result).to_yaml());
     if (outputs.target)
       outputs.target.fill(measurement::target_table(*problem, result.best.assessment.model));
-    outputs.print(with_doubts(measurement::discover_text(*problem, result), *flags, model,
-                              unexplained_error(result)),
-                  [&] { return measurement::discover_json(*problem, result); });
+    const auto doubts = doubts_about(*flags, model, unexplained_error(result));
+    outputs.print(measurement::discover_text(*problem, result, doubts),
+                  [&] { return measurement::discover_json(*problem, result, doubts); });
     if (outputs.report) {
       measurement::write_report(
-          outputs.report,
-          measurement::discover_report(*problem, result, report_header("discover", *flags)));
+          outputs.report, measurement::discover_report(*problem, result,
+                                                       report_header("discover", *flags, doubts)));
     }
   });
 }

@@ -69,6 +69,23 @@ std::string label(const std::string& text) {
   return gnuplot_text(text) + " noenhanced";
 }
 
+// "ball error (m)" of ball_error_m: names end in their unit.
+std::string named_with_unit(std::string name) {
+  constexpr const char* kUnits[][2] = {{"_px", "px"},   {"_mps", "m/s"}, {"_radps", "rad/s"},
+                                       {"_rad", "rad"}, {"_dn", "DN"},   {"_mm", "mm"},
+                                       {"_m", "m"},     {"_ms", "ms"},   {"_ns", "ns"},
+                                       {"_us", "us"},   {"_s", "s"},     {"_hz", "Hz"}};
+  std::string unit;
+  for (const auto& [ending, written] : kUnits) {
+    if (!unit.empty() || !name.ends_with(ending) || name.size() == std::string(ending).size())
+      continue;
+    unit = fmt::format(" ({})", written);
+    name.resize(name.size() - std::string(ending).size());
+  }
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name + unit;
+}
+
 // Words instead of numbers stand side by side, in the order of the plan.
 std::string data_of(const std::vector<app::CurvePoint>& points, const std::string& series,
                     const std::vector<std::string>& words) {
@@ -126,9 +143,10 @@ bool draw(const SweepPlotOptions& options, const std::vector<app::CurvePoint>& p
   const std::vector<std::string> words =
       numeric ? std::vector<std::string>() : in_order(points, &app::CurvePoint::x);
   const std::vector<std::string> series = in_order(points, &app::CurvePoint::by);
+  const bool banded = numeric && in_order(points, &app::CurvePoint::x).size() > 1;
   std::string script = look_of(kind, series.size());
-  script += fmt::format("set xlabel {}\nset ylabel {}\n", label(options.over),
-                        label(options.statistic + " of " + options.value));
+  script += fmt::format("set xlabel {}\nset ylabel {}\n", label(named_with_unit(options.over)),
+                        label(options.statistic + " of " + named_with_unit(options.value)));
   for (size_t i = 0; i < words.size(); ++i)
     script += fmt::format("{} ({} {})\n", i == 0 ? "set xtics" : "set xtics add",
                           gnuplot_text(words[i]), i);
@@ -137,9 +155,16 @@ bool draw(const SweepPlotOptions& options, const std::vector<app::CurvePoint>& p
     const std::string file = fmt::format("data{}.csv", i);
     write_file_atomically(folder / file, data_of(points, series[i], words));
     const std::string title =
-        options.by.empty() ? "notitle" : "title " + label(options.by + " = " + series[i]);
-    script += fmt::format("{0}'{1}' using 1:2:3:4 with yerrorlines lt {2} {3}", i == 0 ? "" : ", ",
-                          file, i + 1, title);
+        options.by.empty() ? "notitle"
+                           : "title " + label(named_with_unit(options.by) + " = " + series[i]);
+    // Along a quantity the interval is a band; words and a single value have a bar each.
+    const std::string before = i == 0 ? "" : ", ";
+    script += banded ? fmt::format(
+                           "{0}'{1}' using 1:3:4 with filledcurves lt {2} fs transparent solid "
+                           "0.15 noborder notitle, '' using 1:2 with linespoints lt {2} {3}",
+                           before, file, i + 1, title)
+                     : fmt::format("{0}'{1}' using 1:2:3:4 with yerrorbars lt {2} {3}", before,
+                                   file, i + 1, title);
   }
   return run_gnuplot(folder, "plot." + kind, script + "\n");
 }

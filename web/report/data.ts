@@ -21,6 +21,9 @@ export interface Candidate {
   found?: boolean;
   at_bound?: boolean;
   why?: string;
+  /** Effects added with it as one move, with their parameters. */
+  with?: Record<string, Parameters>;
+  significant?: boolean;
 }
 
 export interface Structure {
@@ -46,6 +49,7 @@ export interface Step {
 export interface Outlier {
   file?: string;
   line?: number;
+  channel?: string;
   residual?: number | string;
 }
 
@@ -77,6 +81,11 @@ export interface FigureTable {
 
 export interface Result {
   format?: string;
+  headline?: string;
+  doubts?: string[];
+  notes?: string[];
+  structure_of?: "given" | "explanation";
+  explanation?: { steps?: { effect: string; error_after: number | null }[]; error: number | null };
   verdict?: string;
   kind?: string;
   n?: number;
@@ -137,6 +146,9 @@ export interface Arrows {
   plane?: "image_px" | "world_m";
   unit?: string;
   items: [number, number, number, number][];
+  /** Of landmarks: from where each was seen, and the places of all. */
+  robot?: [number, number][];
+  places?: { name: string; x: number; y: number }[];
 }
 
 export interface ImageMap {
@@ -167,11 +179,15 @@ export interface Series {
   title?: string;
   x: string;
   y: string;
+  /** A way over the ground: one scale for both axes. */
+  plane?: "world_m";
+  rms?: number | null;
   lines: Line[];
 }
 
 export interface LeaveOneOut {
   effect: string;
+  log_likelihood_lost?: number | null;
   error_with: number | null;
   error_without: number | null;
 }
@@ -209,6 +225,7 @@ export interface Report {
     kind?: string;
     fingerprint?: string;
     n?: number;
+    residuals?: number;
     groups?: number;
     held_out_n?: number;
     held_out_groups?: number;

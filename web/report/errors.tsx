@@ -1,7 +1,8 @@
 // The error over steps or versions, what each effect is worth, and how the residuals are spread.
 import * as Plot from "@observablehq/plot";
-import { number, words } from "../shared/format";
+import { count, number, words } from "../shared/format";
 import { palette } from "../shared/palette";
+import { DataTable } from "../shared/table";
 import { ParameterList } from "./candidates";
 import { steps, type Histogram, type LeaveOneOut, type Report } from "./data";
 import { Figure } from "./figure";
@@ -43,7 +44,7 @@ export function ErrorFalling({ report }: { report: Report }) {
   const highest = Math.max(...points.map((p) => p.error));
   const spans = highest / lowest > 20;
   const draw = (width: number): Plot.PlotOptions => ({
-    height: 284, marginLeft: 52, marginBottom: 44, marginRight: 40, marginTop: 38,
+    height: 284, marginLeft: 52, marginBottom: 44, marginRight: Math.min(40, width / 16), marginTop: 38,
     x: { type: "point", domain: points.map((p) => p.i), label: null, tickSize: 0, padding: 0.4,
       tickFormat: (i: number) => shorten(points[i].label, width / points.length) },
     y: { label: "error (1 = the noise)", grid: true, nice: !spans, tickSize: 4, ticks: 5,
@@ -54,7 +55,7 @@ export function ErrorFalling({ report }: { report: Report }) {
       Plot.text(["noise"], { frameAnchor: "left", y: floor, text: (t: string) => t, dy: -7, dx: 4,
         fill: palette.ink3, fontSize: 11 }),
       Plot.line(points, { x: "i", y: "error", stroke: palette.after, strokeWidth: 2 }),
-      Plot.dot(points, { x: "i", y: "error", r: 5, stroke: "white", strokeWidth: 1.5,
+      Plot.dot(points, { x: "i", y: "error", r: 5, stroke: palette.card, strokeWidth: 1.5,
         fill: (p) => (p.i === 0 ? palette.before : palette.after) }),
       Plot.text(points, { x: "i", y: "error", text: (p) => number(p.error, 4), dy: -14,
         fill: palette.ink, fontWeight: 600, fontSize: 12.5 }),
@@ -72,30 +73,22 @@ export function ErrorFalling({ report }: { report: Report }) {
             left(last.error >= 1.05 * floor, report.result.verdict === "unexplained_structure")
           } />
       </div>
-      <table class="data">
-        <thead>
-          <tr><th class="r">#</th><th>Effect added</th><th class="r">Error before</th>
-            <th class="r">after</th><th>Parameters, ± 1 σ</th><th>Note</th></tr>
-        </thead>
-        <tbody>
-          {all.map((step, i) => (
-            <tr key={i}>
-              <td class="r num">{step.version ?? i + 1}</td>
-              <td><code class="effect">{step.effect ?? "refit"}</code></td>
-              <td class="r num">{number(step.error_before, 4)}</td>
-              <td class="r num">{number(step.error_after, 4)}</td>
-              <td><ParameterList parameters={step.parameters} /></td>
-              <td class="why">
-                {step.why && words(step.why)}
-                {(step.indistinguishable_from ?? []).length > 0 &&
-                  <div class="tie">is not separated from {step.indistinguishable_from!.join(", ")}</div>}
-                {step.data && <div class="quiet">{step.data}{step.fingerprint && ` (${
-                  step.fingerprint.slice(0, 8)})`}</div>}
-              </td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
+      <DataTable columns={[{ label: "#", right: true }, { label: "Effect added" }, { label: "Error before", right: true },
+        { label: "after", right: true }, { label: "Parameters, ± 1 σ" }, { label: "Note", class: "why" }]}
+        rows={all.map((step, i) => ({ cells: [
+          step.version ?? i + 1,
+          <code class="effect">{step.effect ?? "refit"}</code>,
+          number(step.error_before, 4),
+          number(step.error_after, 4),
+          <ParameterList parameters={step.parameters} />,
+          <>
+            {step.why && words(step.why)}
+            {(step.indistinguishable_from ?? []).length > 0 &&
+              <div class="tie">is not separated from {step.indistinguishable_from!.join(", ")}</div>}
+            {step.data && <div class="quiet">{step.data}{step.fingerprint && ` (${
+              step.fingerprint.slice(0, 8)})`}</div>}
+          </>,
+        ] }))} />
     </section>
   );
 }
@@ -105,39 +98,47 @@ function shorten(label: string, room: number): string {
   return label.length > letters ? `${label.slice(0, letters - 1)}…` : label;
 }
 
+/** What held-out groups lose without each effect. The log-likelihood judges effects of the mean and of the spread alike;
+ * the error in noise units does not, since a spread that grows over what is missing makes it fall. */
 export function Worth({ report }: { report: Report }) {
   const rows = (report.plots?.leave_one_out ?? [])
-    .filter((row) => row.error_with !== null && row.error_without !== null)
-    .sort((a, b) => b.error_without! - a.error_without!);
+    .filter((row) => row.log_likelihood_lost != null)
+    .sort((a, b) => b.log_likelihood_lost! - a.log_likelihood_lost!);
   if (rows.length === 0) return null;
-  const withAll = rows[0].error_with!;
-  const draw = (_width: number): Plot.PlotOptions => ({
-    height: 48 + 30 * rows.length, marginLeft: 170, marginRight: 70, marginBottom: 36,
-    x: { label: "error without the effect (1 = the noise)", nice: true, grid: true, zero: true,
-      tickSize: 4, ticks: 6 },
-    y: { label: null, domain: rows.map((row) => row.effect), tickSize: 0, padding: 0.35 },
+  const most = Math.max(10, rows[0].log_likelihood_lost!);
+  const worth = (row: LeaveOneOut) => Math.max(1, row.log_likelihood_lost!);
+  const labels = Math.min(170, 16 + 7.2 * Math.max(...rows.map((row) => row.effect.length)));
+  const draw = (width: number): Plot.PlotOptions => ({
+    height: 52 + 30 * rows.length, marginLeft: Math.min(labels, 0.44 * width), marginRight: 76, marginBottom: 38,
+    x: { type: "log", domain: [1, most], label: "log-likelihood lost", grid: true, tickSize: 4, tickFormat: "~s",
+      ticks: width < 500 ? 3 : 6 },
+    y: { label: null, domain: rows.map((row) => row.effect), tickSize: 0, padding: 0.35,
+      tickFormat: (name: string) => shorten(name, Math.min(labels, 0.44 * width)) },
     marks: [
-      Plot.barX(rows, { x1: withAll, x2: "error_without", y: "effect", fill: palette.after,
-        fillOpacity: 0.85 }),
-      Plot.ruleX([withAll], { stroke: palette.ink, strokeWidth: 1.3 }),
-      Plot.text(rows, { x: "error_without", y: "effect", dx: 6, textAnchor: "start",
-        text: (row: LeaveOneOut) => number(row.error_without, 4), fill: palette.ink }),
+      Plot.ruleX([1], { stroke: palette.ink2 }),
+      Plot.barX(rows, { x1: 1, x2: worth, y: "effect", fill: palette.after, fillOpacity: 0.85 }),
+      Plot.text(rows, { x: worth, y: "effect", dx: 6, textAnchor: "start",
+        text: (row: LeaveOneOut) => plainNumber(row.log_likelihood_lost!), fill: palette.ink }),
     ],
   });
+  const none = rows.filter((row) => row.log_likelihood_lost! < 1).map((row) => words(row.effect));
   return (
     <section id="worth">
       <h2>What each effect is worth</h2>
       <div class="figures">
         <Figure wide name="leave one effect out" draw={draw}
           sentence={
-            `The error on held-out groups is ${number(withAll, 4)} with all effects (black line). Each ` +
-            `bar shows what it becomes when that effect is left out and the rest refitted: ` +
-            `${words(rows[0].effect)} is worth most. A bar of no length is an effect that this data ` +
-            "does not need."
+            `By how much less likely the held-out groups become (natural logarithm) when an effect is left out of the ` +
+            `model and the rest refitted: ${words(rows[0].effect)} is worth most. ` +
+            (none.length > 0 ? `Worth nothing to this data: ${none.join(", ")}.` : "Each of them is needed.")
           } />
       </div>
     </section>
   );
+}
+
+function plainNumber(x: number): string {
+  return x >= 100 ? count(Math.round(x)) : number(x, 2);
 }
 
 export function Distributions({ report }: { report: Report }) {
@@ -199,7 +200,7 @@ function Distribution({ name, sets }: { name: string; sets: Histogram[] }) {
   return (
     <Figure name={`distribution ${name}`} draw={draw} title={words(splitName(name))}
       sentence={
-        `${(100 * beyond(shown, 3)).toFixed(1)} % of the residuals${after ? " after the step" : ""} ` +
+        `${(100 * beyond(shown, 3)).toFixed(1)} % of the residuals${after ? " with the effects found" : ""} ` +
         "lie beyond three of their stated errors; 0.3 % would if the noise were normal and nothing " +
         "were missing (black curve)."
       } />

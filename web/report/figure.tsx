@@ -3,7 +3,7 @@
 import * as Plot from "@observablehq/plot";
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
-import { palette } from "../shared/palette";
+import { isDark, palette } from "../shared/palette";
 import { Rich } from "../shared/rich";
 import { savePlot } from "./save";
 
@@ -16,16 +16,17 @@ export interface FigureProps {
   wide?: boolean;
 }
 
-const style = {
+const style = () => ({
   fontFamily: "var(--sans)",
   fontSize: "12px",
   color: palette.ink2,
   background: "none",
   overflow: "visible",
-};
+});
 
 export function Figure({ name, title, sentence, draw, wide }: FigureProps) {
   const holder = useRef<HTMLDivElement>(null);
+  const dark = isDark.value;
   useEffect(() => {
     const element = holder.current!;
     let drawnWidth = 0;
@@ -34,7 +35,7 @@ export function Figure({ name, title, sentence, draw, wide }: FigureProps) {
       if (width < 40 || Math.abs(width - drawnWidth) < 2) return;
       drawnWidth = width;
       const options = draw(width);
-      const plot = Plot.plot({ width, ...options, style });
+      const plot = Plot.plot({ width, ...options, style: style() });
       plot.setAttribute("role", "img");
       plot.setAttribute("aria-label", name);
       element.replaceChildren(plot);
@@ -44,7 +45,7 @@ export function Figure({ name, title, sentence, draw, wide }: FigureProps) {
     const observer = new ResizeObserver(redraw);
     observer.observe(element);
     return () => observer.disconnect();
-  }, [draw, name]);
+  }, [draw, name, dark]);
   return (
     <figure class={wide ? "figure wide" : "figure"} data-plot={name}>
       <button type="button" class="save" title="Save this plot as SVG"

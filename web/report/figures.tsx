@@ -1,6 +1,7 @@
 // The figures of a field's standard (photometry: EMVA 1288), each with its standard error.
 import { number } from "../shared/format";
 import { Rich } from "../shared/rich";
+import { DataTable } from "../shared/table";
 import type { Report } from "./data";
 
 export function Figures({ report }: { report: Report }) {
@@ -16,42 +17,19 @@ export function Figures({ report }: { report: Report }) {
             "the pixels and the scatter of the levels leave."
           : "By the model's estimate, with what its effects change; the error is one standard error of the fit."}
       </p>
-      <table class="data">
-        <thead><tr><th>Figure</th><th class="r">Value</th><th class="r">Error</th><th>Unit</th></tr></thead>
-        <tbody>
-          {table.figures.map((figure) => (
-            <tr key={figure.name}>
-              <td>{figure.name}</td>
-              <td class="r num"><Rich text={number(figure.value)} /></td>
-              <td class="r num">
-                {figure.sigma === null ? "not determined" : <Rich text={number(figure.sigma)} />}
-              </td>
-              <td>{figure.unit}</td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
+      <DataTable columns={[{ label: "Figure" }, { label: "Value", right: true }, { label: "Error", right: true },
+        { label: "Unit" }]} rows={table.figures.map((figure) => ({ cells: [
+        figure.name,
+        <Rich text={number(figure.value)} />,
+        figure.sigma === null ? "not determined" : <Rich text={number(figure.sigma)} />,
+        figure.unit,
+      ] }))} />
       {measured && <details class="more">
         <summary>signal over noise at each level</summary>
-        <table class="data">
-          <thead>
-            <tr>
-              <th class="r">Light</th><th class="r">Signal, DN</th><th class="r">SNR</th>
-              <th class="r">Error</th><th class="r">by the figures</th>
-            </tr>
-          </thead>
-          <tbody>
-            {table.snr_curve.map((point, i) => (
-              <tr key={i}>
-                <td class="r num"><Rich text={number(point.light)} /></td>
-                <td class="r num"><Rich text={number(point.signal_dn)} /></td>
-                <td class="r num"><Rich text={number(point.snr)} /></td>
-                <td class="r num"><Rich text={number(point.sigma)} /></td>
-                <td class="r num"><Rich text={number(point.expected)} /></td>
-              </tr>
-            ))}
-          </tbody>
-        </table>
+        <DataTable columns={["Light", "Signal, DN", "SNR", "Error", "by the figures"].map((label) => ({ label, right: true }))}
+          rows={table.snr_curve.map((point) => ({ cells:
+            [point.light, point.signal_dn, point.snr, point.sigma, point.expected].map((value) =>
+              <Rich text={number(value)} />) }))} />
       </details>}
     </section>
   );

@@ -1,6 +1,6 @@
 // Residuals where they lie: arrows over the image or the field, and maps of the mean over the image.
 import * as Plot from "@observablehq/plot";
-import { number } from "../shared/format";
+import { leastShown, number, quantile, roundScale } from "../shared/format";
 import { palette } from "../shared/palette";
 import type { Arrows, ImageMap, Report } from "./data";
 import { Figure } from "./figure";
@@ -13,7 +13,7 @@ export function OverImage({ report }: { report: Report }) {
   const reach = mapReach(maps);
   return (
     <section id="image">
-      <h2>Residuals over the image</h2>
+      <h2>{arrows.some((set) => !inImage(set)) ? "Residuals over the ground" : "Residuals over the image"}</h2>
       <div class="figures">
         {arrows.map((set, i) => (
           <ArrowFigure key={`arrows ${i}`} set={set} scale={scale} report={report} />
@@ -27,24 +27,18 @@ export function OverImage({ report }: { report: Report }) {
 const inImage = (set: Arrows) => (set.plane ?? "image_px") === "image_px";
 const length = ([, , du, dv]: number[]) => Math.hypot(du, dv);
 
-function quantile(values: number[], q: number): number {
-  const sorted = [...values].sort((a, b) => a - b);
-  return sorted.length === 0 ? 0 : sorted[Math.min(sorted.length - 1, Math.floor(q * sorted.length))];
-}
-
 /** One scale for all sets, so that lengths can be compared: the long arrows of the worst are
  * a fourteenth of the picture. Rounded to 1, 2 or 5 times a power of ten. */
 function arrowScale(sets: Arrows[]): number {
   let scale = Infinity;
   for (const set of sets) {
-    const longest = quantile(set.items.map(length), 0.95);
-    if (longest > 0) scale = Math.min(scale, extent(set) / 14 / longest);
+    const longest = Math.max(quantile(set.items.map(length), 0.95), leastShown(unitOf(set)));
+    scale = Math.min(scale, extent(set) / 14 / longest);
   }
-  if (!Number.isFinite(scale)) return 1;
-  const power = 10 ** Math.floor(Math.log10(scale));
-  const lead = scale / power;
-  return Math.max(1, (lead >= 5 ? 5 : lead >= 2 ? 2 : 1) * power);
+  return Number.isFinite(scale) ? Math.max(1, roundScale(scale)) : 1;
 }
+
+const unitOf = (set: Arrows) => set.unit ?? (inImage(set) ? "px" : "m");
 
 function extent(set: Arrows): number {
   const u = set.items.map((item) => item[0]);
@@ -56,8 +50,8 @@ function ArrowFigure({ set, scale, report }: { set: Arrows; scale: number; repor
   const size = image ? report.data?.image : undefined;
   const after = set.stage === "after";
   const colour = after ? palette.after : palette.before;
-  const unit = set.unit ?? (image ? "px" : "m");
-  const box = size ? [-0.5, size.width_px - 0.5, -0.5, size.height_px - 0.5] : bounds(set);
+  const unit = unitOf(set);
+  const box = size ? [-0.5, size.width_px - 0.5, -0.5, size.height_px - 0.5] : bounds(set, scale);
   const draw = (width: number): Plot.PlotOptions => {
     const margins = 40 + 12;
     const ratio = (box[3] - box[2]) / (box[1] - box[0]);
@@ -68,13 +62,18 @@ function ArrowFigure({ set, scale, report }: { set: Arrows; scale: number; repor
       y: { domain: image ? [box[3], box[2]] : [box[2], box[3]], label: image ? "v (px)" : "y (m)",
         ticks: 5, tickSize: 4 },
       marks: [
-        Plot.frame({ fill: "#fcfcfb", stroke: palette.line }),
+        Plot.frame({ fill: palette.page, stroke: palette.line }),
+        ...(set.robot ? [Plot.dot(set.robot, { x: "0", y: "1", r: 1.4, fill: palette.dot })] : []),
         Plot.arrow(set.items, {
           x1: (d: number[]) => d[0], y1: (d: number[]) => d[1],
           x2: (d: number[]) => d[0] + scale * d[2], y2: (d: number[]) => d[1] + scale * d[3],
           stroke: colour, strokeWidth: 1, headLength: 5, headAngle: 50, strokeOpacity: 0.85,
           clip: true,
         }),
+        ...(set.places ? [
+          Plot.dot(set.places, { x: "x", y: "y", r: 4, fill: palette.card, stroke: palette.ink, strokeWidth: 1.4 }),
+          Plot.text(set.places, { x: "x", y: "y", text: "name", dx: 8, dy: -8, textAnchor: "start", fill: palette.ink }),
+        ] : []),
       ],
     };
   };
@@ -83,9 +82,11 @@ function ArrowFigure({ set, scale, report }: { set: Arrows; scale: number; repor
   return (
     <Figure
       name={`arrows ${set.stage ?? "before"}`}
-      title={after ? "After the step" : "The model as given"}
+      title={after ? "With the effects found" : "The model as given"}
       sentence={
-        `Each arrow starts where a point was seen and shows observed minus predicted, ` +
+        (image ? "Each arrow starts where a point was seen and shows observed minus predicted, "
+          : "Each arrow starts at a landmark and shows where one observation puts it instead, from where the robot " +
+            "was (grey): ") +
         `${number(scale, 2)} times as long as it is. Half are longer than ${number(typical, 2)} ` +
         `${unit}, one in twenty is longer than ${number(long, 2)} ${unit}. ` +
         (after ? "Arrows without any common direction are noise."
@@ -96,16 +97,18 @@ function ArrowFigure({ set, scale, report }: { set: Arrows; scale: number; repor
   );
 }
 
-function bounds(set: Arrows): number[] {
-  const xs = set.items.map((item) => item[0]);
-  const ys = set.items.map((item) => item[1]);
+/** Of the arrows with their tips, and of the places from which things were seen. */
+function bounds(set: Arrows, scale: number): number[] {
+  const places = [...set.items, ...set.items.map(([x, y, dx, dy]) => [x + scale * dx, y + scale * dy]), ...(set.robot ?? [])];
+  const xs = places.map((item) => item[0]);
+  const ys = places.map((item) => item[1]);
   const pad = 0.06 * Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys), 0.1);
   return [Math.min(...xs) - pad, Math.max(...xs) + pad, Math.min(...ys) - pad, Math.max(...ys) + pad];
 }
 
 function mapReach(maps: ImageMap[]): number {
   const values = maps.flatMap((map) => map.values).filter((v): v is number => v !== null);
-  return quantile(values.map(Math.abs), 0.98) || 1;
+  return Math.max(quantile(values.map(Math.abs), 0.98), leastShown(maps[0]?.unit === "dn" ? "DN" : maps[0]?.unit ?? "")) || 1;
 }
 
 function MapFigure({ map, reach }: { map: ImageMap; reach: number }) {
@@ -121,7 +124,7 @@ function MapFigure({ map, reach }: { map: ImageMap; reach: number }) {
     x: { domain: [0, map.width_px], label: "u (px)", ticks: 6, tickSize: 4 },
     y: { domain: [map.height_px, 0], label: "v (px)", ticks: 5, tickSize: 4 },
     color: {
-      type: "linear", domain: [-reach, 0, reach], range: [palette.after, "#f6f6f4", palette.before],
+      type: "linear", domain: [-reach, 0, reach], range: [palette.after, palette.middle, palette.before],
       clamp: true, label: `${map.title ?? "mean residual"} (${unit})`, legend: true,
     },
     marks: [
@@ -137,7 +140,7 @@ function MapFigure({ map, reach }: { map: ImageMap; reach: number }) {
     <Figure
       name={`map ${map.title ?? ""} ${map.stage ?? "before"}`}
       title={<>{map.title ?? "Mean residual"} <span class="quiet">
-        {after ? "after the step" : "the model as given"}</span></>}
+        {after ? "with the effects found" : "the model as given"}</span></>}
       sentence={
         `Mean of observed minus predicted in each cell, in ${unit}: orange where the image is ` +
         "brighter than the model says, blue where darker. A right model leaves speckle without shape."

@@ -1,6 +1,8 @@
 // What to do next, what this data cannot say, what was left out, and how to make this page again.
-import { number } from "../shared/format";
-import { outlierList, type Report } from "./data";
+import { number, splitUnit } from "../shared/format";
+import { Rich } from "../shared/rich";
+import { DataTable } from "../shared/table";
+import { outlierList, type Outlier, type Report } from "./data";
 import { save } from "./save";
 
 export function Advice({ report }: { report: Report }) {
@@ -35,48 +37,74 @@ export function NotTestable({ report }: { report: Report }) {
     <section id="not-testable">
       <h2>Not testable with this data</h2>
       <p class="lead">The data has no leverage on these: whether they are there remains open.</p>
-      <table class="data">
-        <thead><tr><th>Effect</th><th>Parameter</th><th>Why</th></tr></thead>
-        <tbody>
-          {all.map((item, i) => (
-            <tr key={i}>
-              <td><code>{item.effect}</code></td>
-              <td>{item.parameter && <code>{item.parameter}</code>}</td>
-              <td class="why">{item.why}</td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
+      <DataTable columns={[{ label: "Effect" }, { label: "Parameter" }, { label: "Why", class: "why" }]}
+        rows={all.map((item) => ({ cells: [<code>{item.effect}</code>, item.parameter && <code>{item.parameter}</code>,
+          item.why] }))} />
     </section>
   );
 }
 
 const listed = 40;
 
+interface Stretch {
+  first: number;
+  last: number;
+  count: number;
+  /** By residual: the largest. */
+  largest: Map<string, number>;
+}
+
+/** Outliers of neighbouring lines as one row, with the largest residual of each name. */
+function stretchesOf(outliers: Outlier[]): Stretch[] {
+  const sorted = [...outliers].filter((o) => o.line !== undefined).sort((a, b) => a.line! - b.line!);
+  const stretches: Stretch[] = [];
+  for (const { line, channel, residual } of sorted) {
+    let last = stretches.at(-1);
+    if (!last || line! > last.last + 1) {
+      last = { first: line!, last: line!, count: 0, largest: new Map() };
+      stretches.push(last);
+    }
+    last.last = line!;
+    ++last.count;
+    const name = channel ?? "", most = last.largest.get(name) ?? 0;
+    if (typeof residual === "number" && Math.abs(residual) >= Math.abs(most)) last.largest.set(name, residual);
+  }
+  return stretches;
+}
+
 export function Outliers({ report }: { report: Report }) {
   const all = outlierList(report.result);
   if (all.length === 0) return null;
+  const files = [...new Set(all.map((item) => item.file ?? ""))];
   return (
     <section id="outliers">
       <h2>Outliers</h2>
       <p class="lead">
-        {all.length} {all.length === 1 ? "observation lies" : "observations lie"} more than six robust
+        {all.length} {all.length === 1 ? "residual lies" : "residuals lie"} more than six robust
         sigmas from their neighbours. They are left out of every error, the same ones before and after.
       </p>
-      <table class="data narrow">
-        <thead><tr><th>File</th><th class="r">Line</th><th class="r">Residual</th></tr></thead>
-        <tbody>
-          {all.slice(0, listed).map((item, i) => (
-            <tr key={i}>
-              <td><code>{item.file}</code></td>
-              <td class="r num">{item.line}</td>
-              <td class="r num">{typeof item.residual === "number" ? number(item.residual) : item.residual}</td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
-      {all.length > listed && <p class="quiet">and {all.length - listed} more, in the JSON.</p>}
+      {files.map((file) => (
+        <FileOutliers key={file} file={file} stretches={stretchesOf(all.filter((o) => (o.file ?? "") === file))} />
+      ))}
     </section>
+  );
+}
+
+function FileOutliers({ file, stretches }: { file: string; stretches: Stretch[] }) {
+  return (
+    <>
+      <p class="quiet"><code>{file}</code></p>
+      <DataTable class="narrow" columns={[{ label: "Lines", right: true }, { label: "Residuals", right: true },
+        { label: "Largest" }]} rows={stretches.slice(0, listed).map((stretch) => ({ cells: [
+        stretch.first === stretch.last ? stretch.first : `${stretch.first} to ${stretch.last}`,
+        stretch.count,
+        <Rich text={[...stretch.largest].map(([name, value]) => {
+          const split = splitUnit(name);
+          return `${split.name} ${number(value)} ${split.unit}`.trim();
+        }).join(", ")} />,
+      ] }))} />
+      {stretches.length > listed && <p class="quiet">and {stretches.length - listed} more places, in the JSON.</p>}
+    </>
   );
 }
 
@@ -87,18 +115,9 @@ export function Tables({ report }: { report: Report }) {
         <section key={i} id={`table-${i}`}>
           {table.title && <h2>{table.title}</h2>}
           <div class="scroll">
-            <table class="data">
-              <thead><tr>{table.columns.map((c) => <th key={c}>{c}</th>)}</tr></thead>
-              <tbody>
-                {table.rows.map((row, r) => (
-                  <tr key={r}>
-                    {row.map((cell, c) => (
-                      <td key={c} class="num">{typeof cell === "number" ? number(cell, 4) : cell ?? "–"}</td>
-                    ))}
-                  </tr>
-                ))}
-              </tbody>
-            </table>
+            <DataTable columns={table.columns.map((label) => ({ label, class: "num" }))}
+              rows={table.rows.map((row) => ({ cells: row.map((cell) =>
+                (typeof cell === "number" ? <Rich text={number(cell, 4)} /> : cell ?? "–")) }))} />
           </div>
         </section>
       ))}

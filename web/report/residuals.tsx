@@ -36,12 +36,12 @@ export function Residuals({ report }: { report: Report }) {
       </p>
       <Key
         items={[
-          { label: "one residual", colour: "#b9c0c9", shape: "dot" },
+          { label: "one residual", colour: palette.dot, shape: "dot" },
           { label: "mean of a bin ± 2 formal errors", colour: palette.before, shape: "bar" },
           { label: "actual scatter, ± 1 σ", colour: palette.before, shape: "band" },
           { label: "scatter that the model states", colour: palette.formal, shape: "dash" },
           ...(hasAfter
-            ? [{ label: "after the step", colour: palette.after, shape: "bar" as const }]
+            ? [{ label: "with the effects found", colour: palette.after, shape: "bar" as const }]
             : []),
         ]}
       />
@@ -64,11 +64,16 @@ function ResidualFigure({ pair, report }: { pair: Pair; report: Report }) {
   const residual = splitUnit(plot.residual);
   const covariate = splitUnit(plot.covariate);
   const spread = plot.moment === "spread";
+  const few = fewValues(plot);
+  const values = few ?? [];
+  const step = values.length > 1 ? Math.min(...values.slice(1).map((x, i) => x - values[i])) : 1;
   const draw = (width: number): Plot.PlotOptions => ({
     height: Math.round(Math.min(300, Math.max(210, width * 0.52))),
     marginLeft: 52,
     marginBottom: 38,
-    x: { label: axisLabel(covariate.name, plot.x_unit ?? (covariate.unit || covariateUnit(plot.covariate))), ticks: 6, tickSize: 4 },
+    x: { label: axisLabel(covariate.name, plot.x_unit ?? (covariate.unit || covariateUnit(plot.covariate))), tickSize: 4,
+      ...(few ? { ticks: values, tickFormat: "~g", domain: [values[0] - 0.5 * step, values[values.length - 1] + 0.5 * step] }
+        : { ticks: width < 420 ? 4 : 6 }) },
     y: {
       label: axisLabel(spread ? `spread of ${residual.name}` : `${residual.name} residual`,
         residual.unit),
@@ -81,12 +86,18 @@ function ResidualFigure({ pair, report }: { pair: Pair; report: Report }) {
   return (
     <Figure
       name={`residual ${sentenceKey(pair)}`}
-      title={<>{words(residual.name)} residual <span class="quiet">against</span>{" "}
+      title={<>{spread ? "spread of the " : ""}{words(residual.name)} residual <span class="quiet">against</span>{" "}
         {words(plot.covariate)}</>}
       sentence={spread ? spreadSentence(pair) : meanSentence(pair, noiseOf(report, plot.residual))}
       draw={draw}
     />
   );
+}
+
+/** The values of a covariate that has few, such as 0 and 1: nothing lies between them. */
+function fewValues(plot: ResidualPlot): number[] | null {
+  return plot.bins.length <= 6 && plot.bins.every((bin) => bin.low === bin.high)
+    ? plot.bins.map((bin) => bin.centre) : null;
 }
 
 function axisLabel(name: string, unit: string): string {
@@ -116,30 +127,31 @@ function meanMarks(pair: Pair): Plot.Markish[] {
   const [low, high] = meanDomain(pair);
   const sample = (first.sample ?? []).filter(([, r]) => r >= low && r <= high);
   const formal = shown(first.bins).filter((bin) => bin.formal !== null);
+  const joined = fewValues(first) === null;
+  const reach = { y1: (b: Bin) => b.mean! - (b.scatter ?? 0), y2: (b: Bin) => b.mean! + (b.scatter ?? 0) };
   return [
-    Plot.dot(sample, { x: "0", y: "1", r: 1.3, fill: "#b9c0c9", fillOpacity: 0.7 }),
-    Plot.areaY(shown(first.bins), {
-      x: "centre", y1: (b: Bin) => b.mean! - (b.scatter ?? 0),
-      y2: (b: Bin) => b.mean! + (b.scatter ?? 0), fill: colour, fillOpacity: 0.13,
-    }),
-    ...[1, -1].map((sign) => Plot.line(formal, {
-      x: "centre", y: (b: Bin) => sign * b.formal!, stroke: palette.formal, strokeWidth: 1.3,
-      strokeDasharray: "4 3",
-    })),
+    Plot.dot(sample, { x: "0", y: "1", r: 1.3, fill: palette.dot, fillOpacity: 0.7 }),
+    joined ? Plot.areaY(shown(first.bins), { x: "centre", ...reach, fill: colour, fillOpacity: 0.13 })
+      : Plot.ruleX(shown(first.bins), { x: "centre", ...reach, stroke: colour, strokeWidth: 16, strokeOpacity: 0.16 }),
+    ...[1, -1].map((sign) => (joined
+      ? Plot.line(formal, { x: "centre", y: (b: Bin) => sign * b.formal!, stroke: palette.formal, strokeWidth: 1.3,
+        strokeDasharray: "4 3" })
+      : Plot.dot(formal, { x: "centre", y: (b: Bin) => sign * b.formal!, symbol: "square", stroke: palette.formal }))),
     Plot.ruleY([0], { stroke: palette.ink2, strokeWidth: 1 }),
-    ...barMarks(first.bins, colour),
-    ...(pair.before && pair.after ? barMarks(pair.after.bins, palette.after) : []),
+    ...barMarks(first.bins, colour, joined),
+    ...(pair.before && pair.after ? barMarks(pair.after.bins, palette.after, joined) : []),
   ];
 }
 
-function barMarks(bins: Bin[], colour: string): Plot.Markish[] {
+/** Means with their errors; a line joins them only along a quantity. */
+function barMarks(bins: Bin[], colour: string, joined: boolean): Plot.Markish[] {
   const low = (b: Bin) => b.mean! - 2 * (b.mean_sigma ?? 0);
   const high = (b: Bin) => b.mean! + 2 * (b.mean_sigma ?? 0);
   return [
-    Plot.line(shown(bins), { x: "centre", y: "mean", stroke: colour, strokeWidth: 1.4 }),
+    ...(joined ? [Plot.line(shown(bins), { x: "centre", y: "mean", stroke: colour, strokeWidth: 1.4 })] : []),
     Plot.ruleX(shown(bins), { x: "centre", y1: low, y2: high, stroke: colour, strokeWidth: 1.4 }),
     Plot.dot(shown(bins), {
-      x: "centre", y: "mean", r: 2.8, fill: colour, stroke: "white", strokeWidth: 0.8,
+      x: "centre", y: "mean", r: 2.8, fill: colour, stroke: palette.card, strokeWidth: 0.8,
       title: (b: Bin) => `mean ${number(b.mean)} ± ${number(b.mean_sigma, 2)}\n` +
         `scatter ${number(b.scatter)}, stated ${number(b.formal)}\n${b.n} residuals`,
     }),
@@ -148,22 +160,23 @@ function barMarks(bins: Bin[], colour: string): Plot.Markish[] {
 
 function spreadMarks(pair: Pair): Plot.Markish[] {
   const first = (pair.before ?? pair.after)!;
+  const joined = fewValues(first) === null;
+  const stated = first.bins.filter((b) => b.formal !== null);
   const marks: Plot.Markish[] = [
     Plot.ruleY([0], { stroke: palette.line }),
-    Plot.line(first.bins.filter((b) => b.formal !== null), {
-      x: "centre", y: "formal", stroke: palette.formal, strokeWidth: 1.6, strokeDasharray: "4 3",
-    }),
+    joined ? Plot.line(stated, { x: "centre", y: "formal", stroke: palette.formal, strokeWidth: 1.6,
+      strokeDasharray: "4 3" }) : Plot.dot(stated, { x: "centre", y: "formal", stroke: palette.formal, symbol: "square" }),
   ];
   for (const [plot, colour] of [[pair.before, palette.before], [pair.after, palette.after]] as const) {
     const bins = (plot?.bins ?? []).filter((b) => b.scatter !== null && b.n > 1);
     marks.push(
-      Plot.line(bins, { x: "centre", y: "scatter", stroke: colour, strokeWidth: 1.4 }),
+      ...(joined ? [Plot.line(bins, { x: "centre", y: "scatter", stroke: colour, strokeWidth: 1.4 })] : []),
       Plot.ruleX(bins, {
         x: "centre", stroke: colour, strokeWidth: 1.4,
         y1: (b: Bin) => b.scatter! * (1 - 2 / Math.sqrt(2 * (b.n - 1))),
         y2: (b: Bin) => b.scatter! * (1 + 2 / Math.sqrt(2 * (b.n - 1))),
       }),
-      Plot.dot(bins, { x: "centre", y: "scatter", r: 2.8, fill: colour, stroke: "white" }),
+      Plot.dot(bins, { x: "centre", y: "scatter", r: 2.8, fill: colour, stroke: palette.card }),
     );
   }
   return marks;
@@ -179,25 +192,26 @@ function rootMeanSquare(bins: Bin[]): number {
 function meanSentence(pair: Pair, noise: number | null): string {
   const plot = (pair.before ?? pair.after)!;
   const { name, unit } = splitUnit(plot.residual);
-  const strength = plot.strength ?? rootMeanSquare(plot.bins);
-  const times = noise ? `, ${number(strength / noise, 2)} times the noise of one observation` : "";
-  const p = plot.p_value === undefined ? "" : ` (p ${relation(plot.p_value)})`;
-  const significant = plot.p_value === undefined || (plot.p_value ?? 1) < 0.01;
-  let text = significant
-    ? `${number(strength)} ${unit} of the ${words(name)} residual follows ` +
-      `${words(plot.covariate)}${times}${p}: noise alone would leave a flat line.`
-    : `Nothing in the ${words(name)} residual follows ${words(plot.covariate)}${p}: the means ` +
-      "agree with zero.";
+  let text = `${partThatFollows(plot, noise)} of the ${words(name)} residual ` +
+    (plot.strength != null ? `follows ${words(plot.covariate)}${relation(plot.p_value)}: noise alone would leave a flat line.`
+      : `is the root mean square of the means along ${words(plot.covariate)}.`);
   if (pair.before && pair.after) {
-    text += ` After the step ${number(pair.after.strength ?? rootMeanSquare(pair.after.bins), 2)} ` +
-      `${unit} are left.`;
+    text += ` With the effects found ${number(pair.after.strength ?? rootMeanSquare(pair.after.bins), 2)} ` +
+      `${unit} are left` + (pair.after.strength != null ? `, still more than noise${relation(pair.after.p_value)}.` : ".");
   }
   return text;
 }
 
+/** "12.6 px, 84 times the noise of one observation,": of the residuals of the plot's own model. */
+function partThatFollows(plot: ResidualPlot, noise: number | null): string {
+  const strength = plot.strength ?? rootMeanSquare(plot.bins);
+  const times = noise ? `, ${number(strength / noise, 2)} times the noise of one observation,` : "";
+  return `${number(strength)} ${splitUnit(plot.residual).unit}${times}`;
+}
+
+/** " (p = 10^−9)"; nothing where nothing was tested, nor where p is below 1e-300: that says no more. */
 function relation(p: number | null | undefined): string {
-  const text = pValue(p);
-  return text.startsWith("<") ? text : `= ${text}`;
+  return p === null || p === undefined || p <= 1e-300 ? "" : ` (p = ${pValue(p)})`;
 }
 
 function spreadSentence(pair: Pair): string {
@@ -207,7 +221,7 @@ function spreadSentence(pair: Pair): string {
   const high = Math.max(...ratios);
   const range = ratios.length === 0 ? "" :
     ` It is ${number(low, 2)} to ${number(high, 2)} times what the model states (dashed).`;
-  return `The scatter of the ${words(splitUnit(plot.residual).name)} residual changes with ` +
-    `${words(plot.covariate)}${plot.p_value === undefined ? "" : ` (p ${relation(plot.p_value)})`}.` +
-    `${range} A constant noise would be a flat line.`;
+  const name = `The scatter of the ${words(splitUnit(plot.residual).name)} residual`;
+  return (plot.strength != null ? `${name} changes with ${words(plot.covariate)}${relation(plot.p_value)}.`
+    : `${name} along ${words(plot.covariate)}.`) + `${range} A constant noise would be a flat line.`;
 }

@@ -1,12 +1,15 @@
 // A plot as a file of its own: the drawing with the few styles it takes from the page.
 
+import { palette } from "../shared/palette";
+
 /** The plot in `holder` as a whole SVG document; it stands alone in any viewer. */
 export function standalone(holder: HTMLElement): string {
   const drawings = [...holder.querySelectorAll("svg")];
   const drawing = drawings[drawings.length - 1].cloneNode(true) as SVGSVGElement;
   drawing.setAttribute("xmlns", "http://www.w3.org/2000/svg");
   drawing.setAttribute("style",
-    "background: white; font-family: Inter, 'DejaVu Sans', sans-serif; font-size: 12px; color: #4a5462");
+    `background: ${palette.card}; font-family: Inter, 'DejaVu Sans', sans-serif; font-size: 12px; ` +
+    `color: ${palette.ink2}`);
   const { width, height } = drawing.viewBox.baseVal;
   const padding = 14;
   drawing.setAttribute("viewBox",

@@ -14,7 +14,7 @@ function colourOf(name: string, i: number): string {
   if (name === "measured") return palette.ink;
   if (name === "predicted") return palette.before;
   if (name === "predicted after") return palette.after;
-  return colours[i % colours.length];
+  return colours()[i % colours().length];
 }
 
 export function SeriesPlots({ report }: { report: Report }) {
@@ -24,7 +24,8 @@ export function SeriesPlots({ report }: { report: Report }) {
   return (
     <section id="series">
       <h2>Measured beside predicted</h2>
-      <Key items={names.map((name, i) => ({ label: name, colour: colourOf(name, i), shape: "line" }))} />
+      <Key items={names.map((name, i) => ({ colour: colourOf(name, i), shape: "line",
+        label: name === "predicted after" ? "predicted with the effects found" : name }))} />
       <div class="figures">
         {all.map((plot, i) => <SeriesFigure key={i} plot={plot} names={names} />)}
       </div>
@@ -33,21 +34,48 @@ export function SeriesPlots({ report }: { report: Report }) {
 }
 
 function SeriesFigure({ plot, names }: { plot: Series; names: string[] }) {
-  const draw = (_width: number): Plot.PlotOptions => ({
-    height: 230, marginLeft: 52, marginBottom: 38,
-    x: { label: label(plot.x), ticks: 6, tickSize: 4 },
-    y: { label: label(plot.y), ticks: 5, tickSize: 4, grid: true, nice: true },
-    marks: plot.lines.map((line) => Plot.line(line.points, {
-      x: (p: number[]) => p[0], y: (p: number[]) => p[1], strokeWidth: 1.4,
-      stroke: colourOf(line.name, names.indexOf(line.name)),
-      strokeDasharray: line.name === "command" ? "3 3" : undefined,
-    })),
+  const ground = plot.plane === "world_m";
+  const draw = (width: number): Plot.PlotOptions => ({
+    ...(ground ? groundSize(plot, width) : { height: 230 }), marginLeft: 52, marginBottom: 38,
+    x: { label: label(plot.x), ticks: width < 420 ? 4 : 6, tickSize: 4, ...(ground ? { domain: spanOf(plot, 0) } : {}) },
+    y: { label: label(plot.y), ticks: 5, tickSize: 4, grid: true,
+      ...(ground ? { domain: spanOf(plot, 1) } : { nice: true }) },
+    marks: plot.lines.flatMap((line) => [
+      Plot.line(line.points, {
+        x: (p: number[]) => p[0], y: (p: number[]) => p[1], strokeWidth: 1.4,
+        stroke: colourOf(line.name, names.indexOf(line.name)),
+        strokeDasharray: line.name === "command" ? "3 3" : undefined,
+      }),
+      ...(ground && line.points.length > 0 ? [Plot.dot([line.points[0]], { x: (p: number[]) => p[0],
+        y: (p: number[]) => p[1], r: 3.5, fill: colourOf(line.name, names.indexOf(line.name)) })] : []),
+    ]),
   });
+  const unit = splitUnit(plot.y).unit;
+  const off = plot.rms == null ? "" : ` The root mean square between the first two is ${number(plot.rms)} ${unit}.`;
   return (
     <Figure name={`series ${plot.title ?? plot.y}`} title={plot.title} draw={draw}
-      sentence={`What was measured of ${words(splitUnit(plot.y).name)}, and what the model predicts ` +
-        "for it. Where the lines part, the model is wrong."} />
+      sentence={ground
+        ? `The way that was measured and the way that the model predicts, from above; dots mark the starts.${off}`
+        : `What was measured of ${words(splitUnit(plot.y).name)}, and what the model predicts ` +
+          `for it. Where the lines part, the model is wrong.${off}`} />
   );
+}
+
+/** The span of a plot's x (0) or y (1), with some air. */
+function spanOf(plot: Series, axis: 0 | 1): [number, number] {
+  const values = plot.lines.flatMap((line) => line.points.map((p) => p[axis]));
+  const low = Math.min(...values), high = Math.max(...values);
+  const pad = 0.06 * Math.max(high - low, 0.1);
+  return [low - pad, high + pad];
+}
+
+/** Width and height that give a metre the same length along both axes. */
+function groundSize(plot: Series, width: number) {
+  const [x0, x1] = spanOf(plot, 0), [y0, y1] = spanOf(plot, 1);
+  const along = width - 52 - 20, most = 340;
+  const scale = Math.min(along / (x1 - x0), most / (y1 - y0));
+  return { width: Math.round(scale * (x1 - x0) + 72), height: Math.round(scale * (y1 - y0) + 58), marginRight: 20,
+    marginTop: 20 };
 }
 
 export function IntervalPlots({ report }: { report: Report }) {
@@ -81,7 +109,7 @@ function intervalOptions(plot: Series, names: string[]): Plot.PlotOptions {
         Plot.line(line.points, { x, y: (p: number[]) => p[1], stroke: colour, strokeWidth: 1.4 }),
         Plot.ruleX(line.points.filter((p) => p.length >= 4), { x, y1: (p: number[]) => p[2],
           y2: (p: number[]) => p[3], stroke: colour, strokeWidth: 1.4 }),
-        Plot.dot(line.points, { x, y: (p: number[]) => p[1], r: 3, fill: colour, stroke: "white" }),
+        Plot.dot(line.points, { x, y: (p: number[]) => p[1], r: 3, fill: colour, stroke: palette.card }),
       ];
     }),
   };
@@ -104,13 +132,13 @@ export function Modes({ report }: { report: Report }) {
   const clear = paired && paired.difference_mm !== null &&
     range(paired.difference_mm, paired.ci95).every((v) => Math.sign(v) === Math.sign(paired.difference_mm!));
   const draw = (_width: number): Plot.PlotOptions => ({
-    height: 60 + 44 * rows.length, marginLeft: 130, marginRight: 60, marginBottom: 38,
+    height: 60 + 44 * rows.length, marginLeft: 90, marginRight: 30, marginBottom: 38,
     x: { label: "bias (mm)", nice: true, grid: true, zero: true, tickSize: 4 },
     y: { label: null, domain: rows.map((r) => r.name), tickSize: 0 },
     marks: [
       Plot.ruleX([0], { stroke: palette.ink2 }),
       Plot.ruleY(rows, { x1: "low", x2: "high", y: "name", stroke: palette.after, strokeWidth: 2 }),
-      Plot.dot(rows, { x: "bias", y: "name", r: 5, fill: palette.after, stroke: "white" }),
+      Plot.dot(rows, { x: "bias", y: "name", r: 5, fill: palette.after, stroke: palette.card }),
       Plot.text(rows, { x: "bias", y: "name", dy: -14, text: (r) => number(r.bias), fill: palette.ink }),
     ],
   });

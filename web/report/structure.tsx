@@ -1,20 +1,22 @@
 // The list of what the residuals depend on, surest first, and the strongest of those that are equally sure.
-import { number, pValue, splitUnit, words } from "../shared/format";
+import { number, pColumn, splitUnit, words } from "../shared/format";
 import { Rich } from "../shared/rich";
+import { DataTable, type Column } from "../shared/table";
 import type { Report, Structure as Item } from "./data";
 
 export function Structure({ report }: { report: Report }) {
   const all = report.result.structure;
   if (!all) return null;
+  const left = report.result.structure_of === "explanation" || report.result.format?.startsWith("seam-discover");
   return (
     <section id="structure">
-      <h2>Where the model fails</h2>
+      <h2>{left ? "What the effects found leave" : "Where the model fails"}</h2>
       {all.length === 0
         ? <p class="lead">The residuals were tested against every covariate and product that physics
           suggests; nothing that matters was found.</p>
         : <>
           <p class="lead">
-            What the held-out residuals depend on. Strength is the root mean square of what a smooth
+            What the held-out residuals {left ? "of the model found" : "of the model given"} depend on. Strength is the root mean square of what a smooth
             curve explains; p is corrected for the number of looks. One cause can show in several rows.
           </p>
           <Rows items={all.slice(0, shownFirst)} all={all} />
@@ -54,35 +56,33 @@ function Traces({ report }: { report: Report }) {
 
 const shownFirst = 12;
 
+const columns: Column[] = [{ label: "Residual" }, { label: "of its" }, { label: "varies with" }, { label: "Strength" },
+  { label: "p", right: true, class: "nowrap" }];
+
 function Rows({ items, all }: { items: Item[]; all: Item[] }) {
+  const p = pColumn(items.map((item) => item.p_value));
   return (
-    <table class="data structure">
-      <thead>
-        <tr><th>Residual</th><th>of its</th><th>varies with</th><th>Strength</th><th class="r">p</th></tr>
-      </thead>
-      <tbody>{items.map((item, i) => <Row key={i} item={item} all={all} />)}</tbody>
-    </table>
+    <DataTable class="structure" columns={columns} rows={items.map((item, i) => ({ cells: [
+      <code>{splitUnit(item.residual).name}</code>,
+      item.moment,
+      words(item.covariate),
+      <Strength item={item} all={all} />,
+      <Rich text={p[i]} />,
+    ] }))} />
   );
 }
 
-function Row({ item, all }: { item: Item; all: Item[] }) {
-  const same = all.filter((other) => splitUnit(other.residual).unit === splitUnit(item.residual).unit);
+function Strength({ item, all }: { item: Item; all: Item[] }) {
+  const { unit } = splitUnit(item.residual);
+  const same = all.filter((other) => splitUnit(other.residual).unit === unit);
   const most = Math.max(...same.map((other) => other.strength ?? 0)) || 1;
   const share = Math.max(0, Math.min(1, (item.strength ?? 0) / most));
   return (
-    <tr>
-      <td><code>{splitUnit(item.residual).name}</code></td>
-      <td>{item.moment}</td>
-      <td>{words(item.covariate)}</td>
-      <td>
-        <div class="strength num">
-          <svg width="90" height="12" aria-hidden="true">
-            <rect x="0" y="2" width={Math.max(1.5, 90 * share)} height="8" rx="1.5" />
-          </svg>
-          <span><Rich text={number(item.strength)} /> {splitUnit(item.residual).unit}</span>
-        </div>
-      </td>
-      <td class="r num"><Rich text={pValue(item.p_value)} /></td>
-    </tr>
+    <div class="strength num">
+      <svg width="90" height="12" aria-hidden="true">
+        <rect x="0" y="2" width={Math.max(1.5, 90 * share)} height="8" rx="1.5" />
+      </svg>
+      <span><Rich text={number(item.strength)} /> {unit}</span>
+    </div>
   );
 }

@@ -1,6 +1,5 @@
 // The head of the page: the verdict in a sentence, the numbers behind it, and what was compared.
-import type { ComponentChildren } from "preact";
-import { count, number, percent, splitUnit } from "../shared/format";
+import { count, number, splitUnit } from "../shared/format";
 import { Rich } from "../shared/rich";
 import { errorBefore, outlierList, steps, type Report, type Result } from "./data";
 
@@ -16,8 +15,13 @@ export function Header({ report }: { report: Report }) {
       {verdict && (
         <div class={`verdict ${verdict.tone}`}>
           <strong>{verdict.title}</strong>
-          <span>{verdict.text}</span>
+          {result.headline && <span class="headline">{result.headline}</span>}
         </div>
+      )}
+      {(result.doubts ?? []).length > 0 && (
+        <ul class="doubts" aria-label="Doubts about the data">
+          {result.doubts!.map((doubt, i) => <li key={i}>{doubt.trim()}</li>)}
+        </ul>
       )}
       <Numbers report={report} />
       <Compared report={report} />
@@ -32,57 +36,23 @@ function commandOf(result: Result): string {
 interface Verdict {
   tone: "good" | "bad" | "open";
   title: string;
-  text: ComponentChildren;
 }
 
+/** The verdict's colour and name; what matters is the command's own sentence. */
 function verdictOf(result: Result): Verdict | null {
-  const error = result.error ?? errorBefore(result);
-  const floor = result.noise_floor ?? result.baseline?.noise_floor ?? 1;
+  const found = steps(result).length > 0;
   if (result.verdict === "adequate") {
-    const added = steps(result).map((step) => step.effect).filter(Boolean);
-    return { tone: "good", title: "The model is adequate.", text: added.length
-      ? <>With {list(added as string[])} added, the error is {number(error, 4)}: nothing is left that
-        this data could show.</>
-      : <>The error is {number(error, 4)}, the noise is {number(floor)}: this data shows nothing that
-        the model lacks.</> };
+    return { tone: "good", title: found ? "The model found is adequate." : "The model is adequate." };
   }
-  if (result.verdict === "missing_effect") {
-    const best = [...(result.candidates ?? [])].sort((a, b) => a.rank - b.rank)[0];
-    return { tone: "bad", title: "An effect is missing.", text: best
-      ? <><code>{best.effect}</code> explains most: added, the error falls from{" "}
-        {number(errorBefore(result), 4)} to {number(best.error, 4)}
-        {best.gain !== null && <>, {percent(best.gain)} of the excess</>}.
-        {(best.indistinguishable_from ?? []).length > 0 &&
-          <> This data does not separate it from {list(best.indistinguishable_from!)}.</>}</>
-      : "See the candidates below." };
-  }
+  if (result.verdict === "missing_effect") return { tone: "bad", title: "An effect is missing." };
   if (result.verdict === "unexplained_structure") {
-    const worst = (result.structure ?? []).find((s) => s.moment !== "spread") ?? result.structure?.[0];
-    return { tone: "open", title: "Structure remains that no known effect explains.", text: worst
-      ? <>It shows most in <code>{worst.residual}</code> against <code>{worst.covariate}</code>:{" "}
-        {number(worst.strength)} {splitUnit(worst.residual).unit}.</>
-      : "No effect of the catalogue brings the residuals to noise." };
+    return { tone: "open", title: "Structure remains that no known effect explains." };
   }
-  if (result.format?.startsWith("seam-compare")) {
-    const found = result.structure ?? [];
-    const excess = error !== null ? `The error is ${number(error, 4)} times the noise` : "";
-    return found.length > 0
-      ? { tone: "bad", title: "The residuals are not noise.", text:
-        <>{excess}; {found.length === 1 ? "one structure was" : `${found.length} structures were`} found,
-          above all in <code>{found[0].residual}</code> against <code>{found[0].covariate}</code>:{" "}
-          {number(found[0].strength)} {splitUnit(found[0].residual).unit}.</> }
-      : { tone: "good", title: "The residuals look like noise.", text: `${excess}; no structure was found.` };
-  }
-  return null;
-}
-
-function list(names: string[]): ComponentChildren {
-  return names.map((name, i) => (
-    <span key={name}>
-      {i > 0 && (i === names.length - 1 ? " and " : ", ")}
-      <code>{name}</code>
-    </span>
-  ));
+  if (!result.format?.startsWith("seam-compare")) return null;
+  return (result.structure ?? []).length > 0
+    ? { tone: "bad", title: "The residuals are not noise." }
+    : (result.error ?? 1) > 1.15 ? { tone: "open", title: "The error is above the noise." }
+      : { tone: "good", title: "The residuals look like noise." };
 }
 
 function Numbers({ report }: { report: Report }) {
@@ -90,7 +60,7 @@ function Numbers({ report }: { report: Report }) {
   const before = errorBefore(result);
   const all = steps(result);
   const after = all.length > 0 ? all[all.length - 1].error_after : null;
-  const best = [...(result.candidates ?? [])].sort((a, b) => a.rank - b.rank)[0];
+  const explained = (result.explanation?.steps ?? []).map((step) => step.effect);
   const native = result.native ?? result.baseline?.native ?? {};
   const outliers = outlierList(result).length;
   const tiles: [string, string, string][] = [];
@@ -101,8 +71,9 @@ function Numbers({ report }: { report: Report }) {
   if (after !== null && after !== undefined) {
     const note = `after ${all.length} ${all.length === 1 ? "step" : "steps"}`;
     tiles.push([number(after, 4), "error at the end", note]);
-  } else if (best && best.error !== null && result.verdict !== "adequate") {
-    tiles.push([number(best.error, 4), `with ${best.effect}`, "the best single effect, refitted"]);
+  } else if (explained.length > 0) {
+    tiles.push([number(result.explanation!.error, 4), `with ${explained.join(", ")}`,
+      explained.length === 1 ? "the effect found, all refitted" : "the effects found, all refitted"]);
   }
   for (const [name, value] of Object.entries(native).slice(0, 3)) {
     const split = splitUnit(name);
@@ -117,8 +88,8 @@ function Numbers({ report }: { report: Report }) {
   }
   const n = data?.n ?? result.n;
   if (n !== undefined) {
-    tiles.push([count(n), "observations", `${count(data?.groups ?? result.groups)} groups` +
-      (outliers ? `, ${outliers} outliers left out` : "")]);
+    tiles.push([count(n), thingsOf(data?.kind ?? result.kind), `${count(data?.groups ?? result.groups)} groups` +
+      (outliers ? `, ${outliers} ${outliers === 1 ? "residual" : "residuals"} left out as outliers` : "")]);
   }
   if (tiles.length === 0) return null;
   return (
@@ -132,6 +103,12 @@ function Numbers({ report }: { report: Report }) {
       ))}
     </dl>
   );
+}
+
+/** What one observation of a kind is. */
+function thingsOf(kind: string | undefined): string {
+  return { points: "points", photometry: "pixel values", frames: "pixel values", joints: "readings",
+    odometry: "poses" }[kind ?? ""] ?? "observations";
 }
 
 function noiseText(report: Report, name: string): string {

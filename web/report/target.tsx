@@ -1,22 +1,10 @@
 // A target as a fit found it: how far each of its points lies from its plan; and a lens over the
 // image: how well it is known, or by how much two models differ.
 import * as Plot from "@observablehq/plot";
-import { number } from "../shared/format";
+import { leastShown, number, quantile, roundScale } from "../shared/format";
 import { palette } from "../shared/palette";
 import type { ImageMap, Report } from "./data";
 import { Figure } from "./figure";
-
-function quantile(values: number[], q: number): number {
-  const sorted = [...values].sort((a, b) => a - b);
-  return sorted.length === 0 ? 0 : sorted[Math.min(sorted.length - 1, Math.floor(q * sorted.length))];
-}
-
-/** 1, 2 or 5 times a power of ten, at most x. */
-function round(x: number): number {
-  const power = 10 ** Math.floor(Math.log10(x));
-  const lead = x / power;
-  return (lead >= 5 ? 5 : lead >= 2 ? 2 : 1) * power;
-}
 
 export function TargetPicture({ report }: { report: Report }) {
   const points = report.plots?.target ?? [];
@@ -27,19 +15,19 @@ export function TargetPicture({ report }: { report: Report }) {
   const box = [Math.min(...xs) - pad, Math.max(...xs) + pad, Math.min(...ys) - pad, Math.max(...ys) + pad];
   const shifts = points.map((p) => Math.hypot(p[2], p[3]));
   const long = quantile(shifts, 0.95), error = quantile(points.map((p) => p[5]), 0.5);
-  const scale = long > 0 ? round(Math.max(width_m, height_m) / 14 / long) : 1;
-  const reach = 1000 * (quantile(points.map((p) => Math.abs(p[4])), 0.98) || 1e-6);
+  const scale = long > 0 ? roundScale(Math.max(width_m, height_m) / 14 / Math.max(long, leastShown("m"))) : 1;
+  const reach = 1000 * Math.max(quantile(points.map((p) => Math.abs(p[4])), 0.98), leastShown("m"));
   const draw = (width: number): Plot.PlotOptions => ({
     height: Math.round((width - 52) * ((box[3] - box[2]) / (box[1] - box[0]))) + 62,
     marginLeft: 40, marginRight: 12, marginTop: 26, marginBottom: 36,
     x: { domain: [box[0], box[1]], label: "x (m)", ticks: 6, tickSize: 4 },
     y: { domain: [box[2], box[3]], label: "y (m)", ticks: 5, tickSize: 4 },
     color: {
-      type: "linear", domain: [-reach, 0, reach], range: [palette.after, "#d8d8d4", palette.before],
+      type: "linear", domain: [-reach, 0, reach], range: [palette.after, palette.line, palette.before],
       clamp: true, label: "out of the plane (mm)", legend: true,
     },
     marks: [
-      Plot.frame({ fill: "#fcfcfb", stroke: palette.line }),
+      Plot.frame({ fill: palette.page, stroke: palette.line }),
       Plot.dot(points, {
         x: (p: number[]) => p[0], y: (p: number[]) => p[1], r: 3.2,
         fill: (p: number[]) => 1000 * p[4], stroke: palette.line, strokeWidth: 0.5,
@@ -97,14 +85,14 @@ function OneLensMap({ map, difference }: { map: ImageMap; difference: boolean })
     value,
   })).filter((cell) => cell.value !== null);
   const sizes = cells.map((cell) => cell.value as number);
-  const reach = quantile(sizes, 0.98) || 1;
+  const reach = Math.max(quantile(sizes, 0.98), leastShown("px"));
   const draw = (width: number): Plot.PlotOptions => ({
     height: Math.round((width - 52) * (map.height_px / map.width_px)) + 62,
     marginLeft: 40, marginRight: 12, marginTop: 26, marginBottom: 36,
     x: { domain: [0, map.width_px], label: "u (px)", ticks: 6, tickSize: 4 },
     y: { domain: [map.height_px, 0], label: "v (px)", ticks: 5, tickSize: 4 },
     color: {
-      type: "linear", domain: [0, reach], range: ["#f6f6f4", palette.before], clamp: true,
+      type: "linear", domain: [0, reach], range: [palette.middle, palette.before], clamp: true,
       label: `${map.title ?? ""} (px)`, legend: true,
     },
     marks: [
@@ -125,8 +113,9 @@ function OneLensMap({ map, difference }: { map: ImageMap; difference: boolean })
         (difference
           ? `By how many pixels the two models see one direction at different places, `
           : `One standard error of the place at which the model sees a direction, `) +
-        `the turn of the camera taken out: half of the image lies above ${middle} px, the largest ` +
-        `is ${most} px. ` +
+        "the turn of the camera taken out: " + (Math.max(...sizes) < leastShown("px")
+          ? `it is below ${number(leastShown("px"), 1)} px everywhere. `
+          : `half of the image lies above ${middle} px, the largest is ${most} px. `) +
         (difference ? "" : "Where no point was seen it grows: there the lens is extrapolated.")
       }
       draw={draw}

@@ -22,10 +22,12 @@ function minus(text: string): string {
   return text.replace("-", "−");
 }
 
-/** A value with its one-sigma error, both to the error's second digit: (2.4010 ± 0.0061) × 10^−4. */
+/** A value with its one-sigma error, both to the error's second digit: (2.4010 ± 0.0061) × 10^−4. An error below the
+ * ninth digit of the value is what a computation's last digits leave: the value then stands alone. */
 export function withSigma(value: number | null, sigma: number | null | undefined): string {
   if (value === null) return "–";
   if (!sigma || !Number.isFinite(sigma)) return number(value, 4);
+  if (sigma < 1e-9 * Math.abs(value)) return number(value, 6);
   const size = Math.max(Math.abs(value), sigma);
   const scale = size < 1e-3 || size >= 1e5 ? Math.floor(Math.log10(size)) : 0;
   const places = Math.max(0, Math.min(9, 1 - Math.floor(Math.log10(sigma / 10 ** scale))));
@@ -40,6 +42,12 @@ export function pValue(p: number | null | undefined): string {
   if (p <= 1e-300) return `< ${power(-300)}`;
   if (p < 1e-3) return power(Math.round(Math.log10(p)));
   return number(p, 2);
+}
+
+/** The p-values of a table's rows: in rows on end what is below 1e-300 is said once, then by ditto marks. */
+export function pColumn(values: (number | null | undefined)[]): string[] {
+  const cut = (p: number | null | undefined) => p !== null && p !== undefined && p <= 1e-300;
+  return values.map((p, i) => (cut(p) && i > 0 && cut(values[i - 1]) ? "″" : pValue(p)));
 }
 
 export function percent(fraction: number | null | undefined): string {
@@ -69,14 +77,41 @@ export function splitUnit(name: string): { name: string; unit: string } {
   return { name, unit: "" };
 }
 
-/** The unit of the covariates that every kind of measurement knows; "" for others. */
+const unitOfCovariate: Record<string, string> = {
+  row: "px", column: "px", radius: "", illumination: "", time: "s", time_since_change: "s", range: "m", distance: "m", x_moved: "m",
+  y_moved: "m", speed: "m/s", tilt: "rad", pan: "rad", roll: "rad", bearing: "rad", heading: "rad", turn: "rad",
+};
+
+/** The unit of one factor: "" has none (signs, labels, shares); undefined is not known. */
+function factorUnit(name: string): string | undefined {
+  if (name.startsWith("sign(")) return "";
+  if (name.endsWith("_rate")) return "rad/s";
+  return unitOfCovariate[name] ?? (splitUnit(name).unit || undefined);
+}
+
+/** The unit of a covariate or of a product of two: px rad/s for row*pan_rate; "" where it is not known. */
 export function covariateUnit(name: string): string {
-  if (name.includes("*") || name.startsWith("sign(")) return "";
-  if (["row", "column"].includes(name)) return "px";
-  if (name === "time") return "s";
-  if (name === "range") return "m";
-  if (["tilt", "pan", "roll", "bearing", "heading"].includes(name)) return "rad";
-  return /^(tilt|pan|roll)_rate$/.test(name) ? "rad/s" : "";
+  const units = name.split("*").map(factorUnit);
+  if (units.includes(undefined)) return "";
+  return units.filter(Boolean).join(" ");
+}
+
+/** Rounded down to 1, 2 or 5 times a power of ten. */
+export function roundScale(x: number): number {
+  const power = 10 ** Math.floor(Math.log10(x));
+  const lead = x / power;
+  return (lead >= 5 ? 5 : lead >= 2 ? 2 : 1) * power;
+}
+
+/** The value below which a share q of the values lies; 0 of none. */
+export function quantile(values: number[], q: number): number {
+  const sorted = [...values].sort((a, b) => a - b);
+  return sorted.length === 0 ? 0 : sorted[Math.min(sorted.length - 1, Math.floor(q * sorted.length))];
+}
+
+/** The least that a colour or an arrow stands for: below are a computation's last digits, which no scale enlarges. */
+export function leastShown(unit: string): number {
+  return { px: 1e-3, DN: 1e-2, m: 1e-5, rad: 1e-6 }[unit] ?? 0;
 }
 
 /** A residual or covariate for a person: `row*pan_rate` -> `row × pan rate`. */

@@ -35,3 +35,33 @@ export async function openPage(browser, size = { width: 1280, height: 800 }) {
   page.on("requestfailed", (request) => errors.push(`request failed: ${request.url()}`));
   return { page, errors };
 }
+
+/** In the page: each text whose contrast with what is beneath it is less than 4.5:1, or 3:1 where it is large. */
+export function faintTexts() {
+  const channels = (colour) => colour.match(/[\d.]+/g).map(Number);
+  const luminance = ([r, g, b]) => [r, g, b].map((c) => c / 255)
+    .map((c) => (c <= 0.03928 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4))
+    .reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
+  const beneath = (element) => {
+    for (let at = element; at; at = at.parentElement) {
+      const colour = channels(getComputedStyle(at).backgroundColor);
+      if (colour.length === 3 || colour[3] > 0.5) return colour;
+    }
+    return [255, 255, 255];
+  };
+  const faint = new Set();
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  for (let node = walker.nextNode(); node; node = walker.nextNode()) {
+    const element = node.parentElement;
+    if (!node.textContent.trim() || !element.getClientRects().length || element.closest("script, style, title")) continue;
+    const style = getComputedStyle(element);
+    if (style.visibility === "hidden" || element.closest(".save")) continue;
+    const colour = channels(element instanceof SVGElement ? style.fill : style.color);
+    const [one, other] = [luminance(colour), luminance(beneath(element))].sort((x, y) => y - x);
+    const size = parseFloat(style.fontSize);
+    const least = size >= 24 || (size >= 18.66 && Number(style.fontWeight) >= 700) ? 3 : 4.5;
+    const contrast = (one + 0.05) / (other + 0.05);
+    if (contrast < least) faint.add(`${contrast.toFixed(2)} "${node.textContent.trim().slice(0, 40)}"`);
+  }
+  return [...faint];
+}

@@ -63,16 +63,25 @@ export function diagnosePoints() {
       pinhole: { fx_px: 161.9, fy_px: 162.5, cx_px: 88.5, cy_px: 71.5 },
       encoder_offset: { pan_rad: p(0.0021, 0.0004) } } },
     data: { folder: "points-a", title: "Calibration room seen from a swinging head", kind: "points",
-      fingerprint: "9f3c21ab77e0d412", n: 8000, groups: 200, held_out_n: 4800, held_out_groups: 60,
+      fingerprint: "9f3c21ab77e0d412", n: 8000, residuals: 16000, groups: 200, held_out_n: 4800, held_out_groups: 60,
       image: { width_px: 178, height_px: 144 }, noise: { u_px: 0.15, v_px: 0.15 },
       noise_from: "file" },
     result: {
-      format: "seam-diagnose/1", kind: "points", n: 8000, groups: 200, verdict: "missing_effect",
+      format: "seam-diagnose/1", kind: "points", n: 8000, residuals: 16000, groups: 200, verdict: "missing_effect",
+      headline: "What matters: rolling_shutter, lens_blur are missing; rolling_shutter moves predictions by 26 x noise",
+      doubts: ["units? axes? The error is 59 noise units", "  points.csv:17: column z_m reaches 2400: millimetres?"],
+      explanation: { steps: [{ effect: "rolling_shutter", error_after: 1.02 }, { effect: "lens_blur", error_after: 1.004 }],
+        error: 1.004 },
+      structure_of: "given",
       baseline: { error: 3.912, native: { u_px: 0.816, v_px: 0.171 }, noise_floor: 1.0 },
       candidates: [
         { effect: "rolling_shutter", rank: 1, error: 1.004, gain: 0.9994, gain_sigma: 0.0021,
           p_value: 1e-300, parameters: { line_delay_s: p(2.401e-4, 6.1e-7) },
           indistinguishable_from: [], found: true, why: "u residual grows with row x pan rate" },
+        { effect: "lens_blur", rank: 6, error: 3.7, gain: 0.06, p_value: 1e-300, found: true, indistinguishable_from: [],
+          parameters: { sigma_px: p(0.41, 0.02) }, with: { focus_depth: { depth_m: p(2.1, 0.1) } }, why: "" },
+        { effect: "dust", rank: 7, error: 3.9, gain: 0.011, p_value: 1e-300, indistinguishable_from: [], why: "",
+          parameters: { drift: p(-8.524440168e-7, 4e-34) } },
         { effect: "frame_latency", rank: 2, error: 2.21, gain: 0.727, gain_sigma: 0.014,
           p_value: 1e-120, parameters: { latency_s: p(0.01712, 0.00011) },
           indistinguishable_from: ["exposure"], stands_in_for: ["rolling_shutter"],
@@ -92,6 +101,7 @@ export function diagnosePoints() {
         { residual: "u_px", moment: "mean", covariate: "pan_rate", strength: 0.61, p_value: 1e-300 },
         { residual: "v_px", moment: "mean", covariate: "row*pan_rate", strength: 0.081, p_value: 3e-92 },
         { residual: "u_px", moment: "spread", covariate: "row", strength: 0.33, p_value: 1e-41 },
+        { residual: "u_px", moment: "mean", covariate: "sign(pan_rate)", strength: 0.4, p_value: 1e-300 },
       ],
       material: 0.1,
       traces: {
@@ -101,26 +111,40 @@ export function diagnosePoints() {
       not_testable: [
         { effect: "mount_offset", parameter: "z_m", why: "all points lie beyond 1.5 m" },
         { effect: "clock_drift", parameter: "drift_ppm", why: "the recording lasts 8 s only" }],
-      outliers: [{ file: "points.csv", line: 1203, residual: 7.31 }, { file: "points.csv", line: 5210, residual: -6.4 }],
+      outliers: [{ file: "points.csv", line: 1203, channel: "u_px", residual: 7.31 },
+        { file: "points.csv", line: 1203, channel: "v_px", residual: 0 },
+        ...Array.from({ length: 60 }, (_, i) => ({ file: "points.csv", line: 5210 + i, channel: "u_px", residual: -6.4 - i })),
+      ],
       advice: "Swing the head at two more rates: latency and exposure then part.",
     },
     plots: {
       residuals: [
-        plot("u_px", 0, "before", "row*pan_rate", rowRate, "row rad/s", { strength: 0.798, p_value: 1e-300 }),
-        plot("u_px", 0, "after", "row*pan_rate", rowRate, "row rad/s", { strength: 0.004, p_value: 0.62 }),
+        plot("u_px", 0, "before", "row*pan_rate", rowRate, undefined, { strength: 0.798, p_value: 1e-300 }),
+        plot("u_px", 0, "after", "row*pan_rate", rowRate, undefined, {}),
         plot("u_px", 0, "before", "pan_rate", (s) => s.rate, "rad/s", { strength: 0.61, p_value: 1e-300 }),
-        plot("u_px", 0, "after", "pan_rate", (s) => s.rate, "rad/s", { strength: 0.005, p_value: 0.5 }),
-        plot("v_px", 1, "before", "row*pan_rate", rowRate, "row rad/s", { strength: 0.081, p_value: 3e-92 }),
+        plot("u_px", 0, "after", "pan_rate", (s) => s.rate, "rad/s", {}),
+        plot("v_px", 1, "before", "row*pan_rate", rowRate, undefined, { strength: 0.081, p_value: 3e-92 }),
         { ...plot("u_px", 0, "before", "row", (s) => s.v, "px", { strength: 0.33, p_value: 1e-41 }),
           moment: "spread" },
+        // What only the model found leaves: the first model's residuals were not tested for it.
+        plot("v_px", 1, "before", "column", (s) => s.u, "px", {}),
+        plot("v_px", 1, "after", "column", (s) => s.u, "px", { strength: 0.0185, p_value: 3e-9 }),
+        { ...plot("u_px", 0, "before", "sign(pan_rate)", (s) => s.rate, undefined, { strength: 0.4, p_value: 1e-300 }),
+          bins: [-1, 1].map((sign) => ({ low: sign, high: sign, centre: sign, n: 1200, mean: 0.4 * sign, mean_sigma: 0.004,
+            scatter: 0.5, formal: 0.15 })), sample: [[-1, -0.3], [1, 0.5]] },
       ],
       arrows: ["before", "after"].map((stage) => ({ stage, plane: "image_px", unit: "px",
         items: seen.slice(0, 600).map((s) => [s.u, s.v, s[stage][0], s[stage][1]]) })),
       histograms: ["before", "after"].flatMap((stage) => ["u_px", "v_px"].map((name, axis) =>
         histogram(name, stage, seen.map((s) => s[stage][axis] / noise)))),
       leave_one_out: [
-        { effect: "encoder_offset", error_with: 3.912, error_without: 6.2 },
-        { effect: "pinhole", error_with: 3.912, error_without: 41.7 }],
+        { effect: "encoder_offset", log_likelihood_lost: 5210.4, error_with: 3.912, error_without: 6.2 },
+        { effect: "frame_latency", log_likelihood_lost: -0.3, error_with: 3.912, error_without: 3.912 },
+        // A spread takes up what is missing, so that the error in noise units falls.
+        { effect: "rolling_shutter", log_likelihood_lost: 8.5e6, error_with: 3.912, error_without: 1.02 }],
+      // A computation's last digits.
+      lens_error: { stage: "after", title: "Standard error", unit: "px", columns: 4, rows: 3, width_px: 178, height_px: 144,
+        values: Array.from({ length: 12 }, (_, i) => i * 1e-14) },
     },
   };
 }
@@ -145,7 +169,8 @@ export function discoverPhotometry() {
     data: { folder: "photometry-b", title: "Flat fields at seven levels", kind: "photometry", n: 430080,
       groups: 168, held_out_n: 131000, held_out_groups: 51, image: { width_px: 178, height_px: 144 },
       noise: { dn: 1.7 }, noise_from: "estimated" },
-    result: { format: "seam-discover/1", verdict: "adequate", error: 1.002, noise_floor: 1,
+    result: { format: "seam-discover/1", verdict: "adequate",
+      headline: "What matters: vignetting, shot_noise, column_offsets are missing; vignetting moves predictions by 7 x noise", error: 1.002, noise_floor: 1,
       native: { dn: 6.44 }, structure: [],
       steps: [
         { effect: "vignetting", parameters: { a2: p(0.2811, 0.0006), a4: p(0.0702, 0.0008) },
@@ -158,9 +183,10 @@ export function discoverPhotometry() {
       maps: [map("before", 22), map("after", 0)],
       residuals: [{ residual: "dn", covariate: "radius", stage: "before", strength: 5.9,
         p_value: 1e-300, bins: binned(points, 20, 2), sample: points }],
-      leave_one_out: [{ effect: "vignetting", error_with: 1.002, error_without: 30.8 },
-        { effect: "shot_noise", error_with: 1.002, error_without: 2.71 },
-        { effect: "column_offsets", error_with: 1.002, error_without: 1.19 }] },
+      leave_one_out: [
+        { effect: "vignetting", log_likelihood_lost: 81234, error_with: 1.002, error_without: 30.8 },
+        { effect: "shot_noise", log_likelihood_lost: 4123, error_with: 1.002, error_without: 2.71 },
+        { effect: "column_offsets", log_likelihood_lost: 311, error_with: 1.002, error_without: 1.19 }] },
   };
 }
 
@@ -176,7 +202,7 @@ export function compareJoints() {
     model: { name: "servo", file: "servo.yaml", effects: { servo_lag: { tau_s: p(0.04, 0.001) } } },
     data: { folder: "joints-a", title: "Tilt servo, six runs", kind: "joints", n: 9000, groups: 6,
       held_out_n: 3000, held_out_groups: 2, noise: { measured_rad: 0.001 }, noise_from: "estimated" },
-    result: { format: "seam-compare/1", error: 3.2, native: { measured_rad: 0.0032 }, noise_floor: 1,
+    result: { format: "seam-compare/1", headline: "What matters: mean of measured_rad varies with tilt rate (3.9 x noise)", error: 3.2, native: { measured_rad: 0.0032 }, noise_floor: 1,
       structure: [{ residual: "measured_rad", moment: "mean", covariate: "sign(tilt_rate)",
         strength: 0.0039, p_value: 2e-211 }], outliers: [] },
     plots: {
@@ -216,4 +242,40 @@ export function headSwing() {
   };
 }
 
-export const fixtures = { diagnosePoints, discoverPhotometry, compareJoints, history, headSwing };
+/** Beacons seen by a walking robot: residuals over the ground. */
+export function compareLandmarks() {
+  const { uniform, normal } = generator(5);
+  const places = [{ name: "0", x: 2.2, y: 1.45 }, { name: "1", x: 2.2, y: -1.45 }, { name: "2", x: -2.2, y: 0 }];
+  const robot = Array.from({ length: 300 }, () => [2 * uniform() - 1, 2 * uniform() - 1]);
+  return {
+    format: "seam-report/1", version: "0.1.0", title: "Beacons",
+    command: "seam compare --model detector.yaml --data landmarks-a --report r.html",
+    data: { folder: "landmarks-a", kind: "landmarks", n: 6682, residuals: 13364, groups: 30, held_out_n: 3860,
+      held_out_groups: 9, noise: { range_m: 0.03, bearing_rad: 0.006 }, noise_from: "file" },
+    result: { format: "seam-compare/1", headline: "What matters: bearing_rad is correlated in time (5 x noise)", error: 3.65,
+      native: { range_m: 0.029, bearing_rad: 0.03 }, noise_floor: 1, outliers: [], structure: [
+        { residual: "bearing_rad", moment: "mean", covariate: "neighbour", strength: 0.03, p_value: 1e-80 }] },
+    plots: { arrows: [{ stage: "before", plane: "world_m", unit: "m", robot, places,
+      items: robot.map((_, i) => [places[i % 3].x, places[i % 3].y, 0.1 + 0.03 * normal(), 0.03 * normal()]) }] },
+  };
+}
+
+/** Walks seen from above, measured beside predicted. */
+export function diagnoseWalks() {
+  const way = (stretch) => Array.from({ length: 40 }, (_, i) => [stretch * Math.cos(i / 8), stretch * Math.sin(i / 8)]);
+  return {
+    format: "seam-report/1", version: "0.1.0", title: "Walks filmed from above",
+    command: "seam diagnose --model walk.yaml --data odometry-a --report r.html",
+    data: { folder: "odometry-a", kind: "odometry", n: 984, residuals: 2952, groups: 24, held_out_n: 966, held_out_groups: 8,
+      noise: { x_m: 0.002 }, noise_from: "file" },
+    result: { format: "seam-diagnose/1", kind: "odometry", n: 984, groups: 24, verdict: "missing_effect",
+      headline: "What matters: odometry_scale is missing; it moves predictions by 7.2 x noise",
+      baseline: { error: 5.19, native: { x_m: 0.01 }, noise_floor: 1 }, candidates: [], structure: [],
+      explanation: { steps: [{ effect: "odometry_scale", error_after: 1.007 }], error: 1.007 }, outliers: [], advice: "" },
+    plots: { series: [{ title: "run 3 from above", x: "x_m", y: "y_m", plane: "world_m", rms: 0.031, lines: [
+      { name: "measured", points: way(0.5) }, { name: "predicted", points: way(0.44) },
+      { name: "predicted after", points: way(0.498) }] }] },
+  };
+}
+
+export const fixtures = { compareLandmarks, diagnoseWalks, diagnosePoints, discoverPhotometry, compareJoints, history, headSwing };

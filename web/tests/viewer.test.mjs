@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
 import { join } from "node:path";
-import { launch, openPage, skip } from "./browser.mjs";
+import { faintTexts, launch, openPage, skip } from "./browser.mjs";
 import { serve } from "./mock_server.mjs";
 
 const [share, real] = process.argv.slice(2);
@@ -254,6 +254,16 @@ async function lanesOfTheMock(page, url) {
   await until("a click goes to a kick", async () => Math.abs(await moment(page) - 22.5) < 1e-6);
 }
 
+/** No text is faint, on a light page and on a dark one. */
+async function isReadable(page, name) {
+  for (const colorScheme of ["dark", "light"]) {
+    await page.emulateMedia({ colorScheme });
+    await page.waitForTimeout(200);
+    if (colorScheme === "dark") await shot(page, `${name}_dark`);
+    assert.deepEqual(await page.evaluate(faintTexts), [], `${name}, ${colorScheme}: faint texts`);
+  }
+}
+
 /** On a telephone the page scrolls down and nowhere sideways. */
 async function fitsNarrow(page, url, name) {
   await page.setViewportSize({ width: 390, height: 844 });
@@ -266,6 +276,7 @@ async function fitsNarrow(page, url, name) {
   assert.deepEqual(over, [0], `${name}: nothing is wider than a telephone`);
   await page.locator(".panels").scrollIntoViewIfNeeded();
   await shot(page, name);
+  await isReadable(page, name);
   await page.setViewportSize({ width: 1280, height: 800 });
 }
 
@@ -349,6 +360,7 @@ async function fits(page, width, height) {
     document.documentElement.scrollHeight - innerHeight]);
   assert.deepEqual(over.map((n) => Math.max(0, n)), [0, 0], `fits ${width} x ${height}`);
   await shot(page, `viewer_one_${width}`);
+  await isReadable(page, `viewer_one_${width}`);
 }
 
 const browser = await launch();

@@ -1,6 +1,6 @@
 // The lanes of the timeline: what happened in the match, and what the chosen robot saw, said and decided.
 import { effect, signal } from "@preact/signals";
-import { palette } from "../shared/palette";
+import type { Colour } from "../shared/palette";
 import { ask, type MatchEvent } from "./api";
 import { searched } from "./find";
 import { replays, robot, view } from "./store";
@@ -19,7 +19,7 @@ interface RobotLanes {
 
 export interface Lane {
   label: string;
-  colour: string;
+  colour: Colour;
   /** Many marks: drawn as hairs. */
   thin?: boolean;
   /** Which events have a mark there. */
@@ -33,15 +33,15 @@ export interface Lane {
 const world = (...names: string[]) => (event: MatchEvent) => event.kind === "world" && names.includes(event.name);
 const kinds = (...names: string[]) => (event: MatchEvent) => names.includes(event.kind);
 
-const referee: Lane = { label: "referee", colour: palette.after, wants: kinds("referee") };
-const faults: Lane = { label: "faults", colour: palette.before, wants: kinds("fault", "policy") };
-const contacts: Lane = { label: "contacts", colour: palette.amber, wants: world("ball_touched"), spans: contactsOf };
-const kicks: Lane = { label: "kicks", colour: palette.pink, wants: world("kick", "grab", "release") };
-const texts: Lane = { label: "texts", colour: palette.green, thin: true, wants: kinds("printed"), times: (l) => l.texts };
-const decisions: Lane = { label: "decisions", colour: palette.ink2, thin: true, times: (l) => l.decisions };
-const frames: Lane = { label: "frames", colour: palette.sky, thin: true, times: (l) => l.frames };
-const radio: Lane = { label: "radio", colour: palette.formal, thin: true, wants: kinds("radio") };
-const found: Lane = { label: "found", colour: palette.after, spans: (log) => searched.value[log]?.hits ?? [] };
+const referee: Lane = { label: "referee", colour: "after", wants: kinds("referee") };
+const faults: Lane = { label: "faults", colour: "before", wants: kinds("fault", "policy") };
+const contacts: Lane = { label: "contacts", colour: "amber", wants: world("ball_touched"), spans: contactsOf };
+const kicks: Lane = { label: "kicks", colour: "pink", wants: world("kick", "grab", "release") };
+const texts: Lane = { label: "texts", colour: "green", thin: true, wants: kinds("printed"), times: (l) => l.texts };
+const decisions: Lane = { label: "decisions", colour: "ink2", thin: true, times: (l) => l.decisions };
+const frames: Lane = { label: "frames", colour: "sky", thin: true, times: (l) => l.frames };
+const radio: Lane = { label: "radio", colour: "formal", thin: true, wants: kinds("radio") };
+const found: Lane = { label: "found", colour: "after", spans: (log) => searched.value[log]?.hits ?? [] };
 
 /** Two logs leave no room for more: the rest is in the list of events. */
 export const lanesNow = (): Lane[] => [...(searched.value.some((one) => one.hits.length > 0) ? [found] : []),

@@ -126,7 +126,7 @@ function ValuePlot({ name }: { name: string }) {
       (await namesOf(replay, id)).includes(name) ? (await seriesOf(replay, id, [name], from, to))[name] : undefined));
     const there = logs.map((replay, i) => ({ id: replay.info.id, i, data: all[i] })).filter((one) => one.data);
     return {
-      lines: there.map(({ id: log, i }) => ({ label: logs.length > 1 ? log : "", colour: colours[i], dashed: i > 0 })),
+      lines: there.map(({ id: log, i }) => ({ label: logs.length > 1 ? log : "", colour: colours()[i], dashed: i > 0 })),
       data: there.map((one) => one.data!),
     };
   }, [logs, name]);
@@ -221,7 +221,8 @@ function Plot({ title, unit, shown }: { title: string; unit: string; shown: Sign
         <strong>{title}</strong> {unit && <span class="quiet">{unit}</span>}
         <span class="legend">
           {lines.filter((line) => !line.unnamed && line.label).map((line, i) =>
-            <span key={i} style={{ color: line.colour }}>{line.dashed ? `${line.label} dashed` : line.label}</span>)}
+            <span key={i}><i style={{ background: line.colour }} />
+              {line.dashed ? `${line.label} dashed` : line.label}</span>)}
           {note && <span class="quiet">{note}</span>}
           {lines.length === 0 && <span class="quiet">nothing logged</span>}
         </span>
@@ -238,7 +239,7 @@ function colourOf(name: string, names: string[]): string {
   const joint = name.replace(/^command\.(?=.*_rad$)/, "");
   const head = ["tilt_rad", "pan_rad", "roll_rad"].indexOf(joint);
   const place = names.includes(joint) ? names.indexOf(joint) : names.indexOf(name);
-  return colours[(head >= 0 ? head : place) % colours.length];
+  return colours()[(head >= 0 ? head : place) % colours().length];
 }
 
 function boxOf(element: HTMLElement) {
@@ -259,8 +260,8 @@ function rangeOf(least: number | null, most: number | null): uPlot.Range.MinMax 
 }
 
 function build(holder: HTMLElement, title: string, shown: Shown): uPlot {
-  const axis = { stroke: palette.ink3, font: "11px Inter, sans-serif",
-    grid: { stroke: "#eceef0", width: 1 }, ticks: { show: false } };
+  const axis = { stroke: () => palette.ink3, font: "11px Inter, sans-serif",
+    grid: { stroke: () => palette.grid, width: 1 }, ticks: { show: false } };
   return new uPlot({
     ...boxOf(holder),
     legend: { show: false },
@@ -275,7 +276,7 @@ function build(holder: HTMLElement, title: string, shown: Shown): uPlot {
       { ...axis, size: 22, values: (_u, splits, _i, _space, step) => splits.map((t) => clock(t, step)) },
       { ...axis, size: 44, space: 22 },
     ],
-    series: [{}, ...(shown.lines.length ? shown.lines : [{ label: title, colour: colours[0], dashed: false }])
+    series: [{}, ...(shown.lines.length ? shown.lines : [{ label: title, colour: colours()[0], dashed: false }])
       .map((line) => ({ label: line.label, stroke: line.colour, width: 1.4, spanGaps: true,
         dash: line.dashed ? [3, 3] : undefined }))],
     hooks: {

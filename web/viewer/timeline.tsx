@@ -127,7 +127,7 @@ interface Strip {
 /** One mark for each pixel at most, so that a match of any length draws at once. */
 function drawMarks(context: CanvasRenderingContext2D, times: number[], lane: Lane, strip: Strip): void {
   const { x, low, high, top, height } = strip;
-  context.fillStyle = lane.colour;
+  context.fillStyle = palette[lane.colour];
   let last = -10;
   for (const t of times) {
     if (t < low || t > high) continue;
@@ -140,7 +140,7 @@ function drawMarks(context: CanvasRenderingContext2D, times: number[], lane: Lan
 
 function drawSpans(context: CanvasRenderingContext2D, spans: Span[], lane: Lane, strip: Strip): void {
   const { x, low, high, top, height } = strip;
-  context.fillStyle = lane.colour;
+  context.fillStyle = palette[lane.colour];
   let last = -10;
   for (const { from, to } of spans) {
     if (to < low || from > high) continue;
