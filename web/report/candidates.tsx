@@ -1,21 +1,10 @@
 // The candidate effects, ranked, with what each would bring and which of them the data do not separate.
-import { number, pColumn, percent, withSigma, words } from "../shared/format";
+import { number, pColumn, words } from "../shared/format";
+import { Gain, ParameterList } from "../shared/parts";
 import { Rich } from "../shared/rich";
 import { DataTable, type Column, type Row } from "../shared/table";
-import { asValue, type Candidate, type Parameters, type Report } from "./data";
-
-export function ParameterList({ parameters }: { parameters?: Parameters }) {
-  const entries = Object.entries(parameters ?? {});
-  if (entries.length === 0) return <span class="quiet">none</span>;
-  return (
-    <ul class="parameters num">
-      {entries.map(([name, parameter]) => {
-        const { value, sigma } = asValue(parameter);
-        return <li key={name}><code>{name}</code> <Rich text={withSigma(value, sigma)} /></li>;
-      })}
-    </ul>
-  );
-}
+import type { Candidate } from "../shared/types";
+import type { Report } from "./data";
 
 const helps = (c: Candidate) => c.found === true || ((c.gain ?? 0) > 0 && (c.p_value ?? 1) < 0.01);
 
@@ -91,7 +80,7 @@ function rowOf(c: Candidate, p: string): Row {
       <Names before="is not separated from" names={c.indistinguishable_from} />
       <Names before="stands in for" names={c.stands_in_for} />
     </>,
-    <Gain candidate={c} />,
+    <Gain gain={c.gain} sigma={c.gain_sigma} />,
     number(c.error, 4),
     <Rich text={p} />,
     <>
@@ -102,28 +91,4 @@ function rowOf(c: Candidate, p: string): Row {
     </>,
     c.why ? words(c.why.split("; without it")[0]).replaceAll(" x ", " × ") : "",
   ] };
-}
-
-/** A bar from zero with a whisker of one standard error; a loss is drawn to the left in grey. */
-function Gain({ candidate: c }: { candidate: Candidate }) {
-  const width = 96;
-  if (c.gain === null || c.gain === undefined) return <span class="quiet">already at the noise</span>;
-  const gain = Math.max(-0.25, Math.min(1, c.gain));
-  const zero = 12;
-  const scale = width - zero;
-  const sigma = c.gain_sigma ?? 0;
-  const left = Math.max(0, zero + scale * (c.gain - sigma));
-  const right = Math.min(width, zero + scale * (c.gain + sigma));
-  return (
-    <div class="gain num">
-      <svg width={width} height="16" aria-hidden="true">
-        <rect x={Math.max(0, zero + Math.min(0, gain * scale))} y="3" height="10" rx="1.5"
-          width={Math.min(Math.abs(gain) * scale, gain < 0 ? zero : scale)}
-          class={gain < 0 ? "loss" : "win"} />
-        <line x1={zero} x2={zero} y1="0" y2="16" class="axis" />
-        {sigma > 0 && left < right && <line x1={left} x2={right} y1="8" y2="8" class="whisker" />}
-      </svg>
-      {percent(c.gain)}
-    </div>
-  );
 }

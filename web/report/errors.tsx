@@ -1,11 +1,13 @@
 // The error over steps or versions, what each effect is worth, and how the residuals are spread.
 import * as Plot from "@observablehq/plot";
+import { Figure } from "../shared/figure";
 import { count, number, words } from "../shared/format";
+import { beyond, distributionOptions } from "../shared/histogram";
 import { palette } from "../shared/palette";
+import { ParameterList } from "../shared/parts";
 import { DataTable } from "../shared/table";
-import { ParameterList } from "./candidates";
-import { steps, type Histogram, type LeaveOneOut, type Report } from "./data";
-import { Figure } from "./figure";
+import type { Histogram } from "../shared/types";
+import { steps, type LeaveOneOut, type Report } from "./data";
 
 interface Level {
   label: string;
@@ -157,46 +159,11 @@ export function Distributions({ report }: { report: Report }) {
   );
 }
 
-/** Counts as density, so that sets of different size and the normal curve share one axis. */
-function densities(histogram: Histogram) {
-  const total = histogram.counts.reduce((a, b) => a + b, 0) || 1;
-  return histogram.counts.map((n, i) => {
-    const [low, high] = [histogram.edges[i], histogram.edges[i + 1]];
-    return { low, high, density: n / total / (high - low) };
-  });
-}
-
-function beyond(histogram: Histogram, limit: number): number {
-  const total = histogram.counts.reduce((a, b) => a + b, 0) || 1;
-  return histogram.counts.reduce((sum, n, i) =>
-    sum + (Math.abs((histogram.edges[i] + histogram.edges[i + 1]) / 2) > limit ? n : 0), 0) / total;
-}
-
 function Distribution({ name, sets }: { name: string; sets: Histogram[] }) {
   const before = sets.find((set) => set.stage !== "after");
   const after = sets.find((set) => set.stage === "after");
   const shown = (after ?? before)!;
-  const edges = sets.flatMap((set) => set.edges);
-  const reach = Math.max(...edges.map(Math.abs));
-  const normal = Array.from({ length: 121 }, (_, i) => {
-    const x = (i / 60 - 1) * Math.min(reach, 6);
-    return { x, y: Math.exp(-x * x / 2) / Math.sqrt(2 * Math.PI) };
-  });
-  // What lies far outside is counted in the last bins: they must not flatten the rest.
-  const highest = Math.max(0.46, 1.08 * Math.max(...densities(shown).slice(1, -1).map((d) => d.density)));
-  const draw = (_width: number): Plot.PlotOptions => ({
-    height: 220, marginLeft: 46, marginBottom: 38,
-    x: { label: `${words(name)}: residual / its stated error`, ticks: 7, tickSize: 4 },
-    y: { label: "density", ticks: 4, tickSize: 4, grid: true, domain: [0, highest] },
-    marks: [
-      ...[[before, palette.before], [after, palette.after]].flatMap(([set, colour]) => set
-        ? [Plot.rect(densities(set as Histogram), { x1: "low", x2: "high", y1: 0, y2: "density",
-            fill: colour as string, fillOpacity: after && set === before ? 0.35 : 0.6, inset: 0.3, clip: true })]
-        : []),
-      Plot.line(normal, { x: "x", y: "y", stroke: palette.ink, strokeWidth: 1.5 }),
-      Plot.ruleY([0], { stroke: palette.ink2 }),
-    ],
-  });
+  const draw = () => distributionOptions(name, before, after);
   return (
     <Figure name={`distribution ${name}`} draw={draw} title={words(splitName(name))}
       sentence={

@@ -1,9 +1,11 @@
 // Residuals where they lie: arrows over the image or the field, and maps of the mean over the image.
 import * as Plot from "@observablehq/plot";
-import { leastShown, number, quantile, roundScale } from "../shared/format";
+import { arrowScale, bounds, inImage, length, unitOf } from "../shared/arrows";
+import { Figure } from "../shared/figure";
+import { leastShown, number, quantile } from "../shared/format";
 import { palette } from "../shared/palette";
-import type { Arrows, ImageMap, Report } from "./data";
-import { Figure } from "./figure";
+import type { Arrows, ImageMap } from "../shared/types";
+import type { Report } from "./data";
 
 export function OverImage({ report }: { report: Report }) {
   const arrows = (report.plots?.arrows ?? []).filter((set) => set.items.length > 0);
@@ -22,27 +24,6 @@ export function OverImage({ report }: { report: Report }) {
       </div>
     </section>
   );
-}
-
-const inImage = (set: Arrows) => (set.plane ?? "image_px") === "image_px";
-const length = ([, , du, dv]: number[]) => Math.hypot(du, dv);
-
-/** One scale for all sets, so that lengths can be compared: the long arrows of the worst are
- * a fourteenth of the picture. Rounded to 1, 2 or 5 times a power of ten. */
-function arrowScale(sets: Arrows[]): number {
-  let scale = Infinity;
-  for (const set of sets) {
-    const longest = Math.max(quantile(set.items.map(length), 0.95), leastShown(unitOf(set)));
-    scale = Math.min(scale, extent(set) / 14 / longest);
-  }
-  return Number.isFinite(scale) ? Math.max(1, roundScale(scale)) : 1;
-}
-
-const unitOf = (set: Arrows) => set.unit ?? (inImage(set) ? "px" : "m");
-
-function extent(set: Arrows): number {
-  const u = set.items.map((item) => item[0]);
-  return Math.max(...u) - Math.min(...u) || 1;
 }
 
 function ArrowFigure({ set, scale, report }: { set: Arrows; scale: number; report: Report }) {
@@ -95,15 +76,6 @@ function ArrowFigure({ set, scale, report }: { set: Arrows; scale: number; repor
       draw={draw}
     />
   );
-}
-
-/** Of the arrows with their tips, and of the places from which things were seen. */
-function bounds(set: Arrows, scale: number): number[] {
-  const places = [...set.items, ...set.items.map(([x, y, dx, dy]) => [x + scale * dx, y + scale * dy]), ...(set.robot ?? [])];
-  const xs = places.map((item) => item[0]);
-  const ys = places.map((item) => item[1]);
-  const pad = 0.06 * Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys), 0.1);
-  return [Math.min(...xs) - pad, Math.max(...xs) + pad, Math.min(...ys) - pad, Math.max(...ys) + pad];
 }
 
 function mapReach(maps: ImageMap[]): number {

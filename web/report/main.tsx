@@ -1,5 +1,6 @@
 import { render } from "preact";
 import "../shared/theme.css";
+import "../shared/parts.css";
 import { readReport, type Report } from "./data";
 import { Page } from "./page";
 import "./report.css";

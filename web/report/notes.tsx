@@ -3,7 +3,7 @@ import { number, splitUnit } from "../shared/format";
 import { Rich } from "../shared/rich";
 import { DataTable } from "../shared/table";
 import { outlierList, type Outlier, type Report } from "./data";
-import { save } from "./save";
+import { save } from "../shared/save";
 
 export function Advice({ report }: { report: Report }) {
   const { advice, suggestion } = report.result;

@@ -3,7 +3,7 @@ import * as Plot from "@observablehq/plot";
 import { number, splitUnit, words } from "../shared/format";
 import { palette, series as colours } from "../shared/palette";
 import type { Interval, Report, Series } from "./data";
-import { Figure, Key } from "./figure";
+import { Figure, Key } from "../shared/figure";
 
 function label(name: string): string {
   const split = splitUnit(name);

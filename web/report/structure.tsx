@@ -1,13 +1,17 @@
 // The list of what the residuals depend on, surest first, and the strongest of those that are equally sure.
 import { number, pColumn, splitUnit, words } from "../shared/format";
+import { Strength } from "../shared/parts";
 import { Rich } from "../shared/rich";
 import { DataTable, type Column } from "../shared/table";
-import type { Report, Structure as Item } from "./data";
+import type { Structure as Item } from "../shared/types";
+import { steps, type Report } from "./data";
 
 export function Structure({ report }: { report: Report }) {
   const all = report.result.structure;
   if (!all) return null;
-  const left = report.result.structure_of === "explanation" || report.result.format?.startsWith("seam-discover");
+  const { result } = report;
+  const found = steps(result).length + (result.explanation?.steps ?? []).length > 0;
+  const left = found && (result.structure_of === "explanation" || result.format?.startsWith("seam-discover"));
   return (
     <section id="structure">
       <h2>{left ? "What the effects found leave" : "Where the model fails"}</h2>
@@ -69,20 +73,5 @@ function Rows({ items, all }: { items: Item[]; all: Item[] }) {
       <Strength item={item} all={all} />,
       <Rich text={p[i]} />,
     ] }))} />
-  );
-}
-
-function Strength({ item, all }: { item: Item; all: Item[] }) {
-  const { unit } = splitUnit(item.residual);
-  const same = all.filter((other) => splitUnit(other.residual).unit === unit);
-  const most = Math.max(...same.map((other) => other.strength ?? 0)) || 1;
-  const share = Math.max(0, Math.min(1, (item.strength ?? 0) / most));
-  return (
-    <div class="strength num">
-      <svg width="90" height="12" aria-hidden="true">
-        <rect x="0" y="2" width={Math.max(1.5, 90 * share)} height="8" rx="1.5" />
-      </svg>
-      <span><Rich text={number(item.strength)} /> {unit}</span>
-    </div>
   );
 }

@@ -3,8 +3,9 @@
 import * as Plot from "@observablehq/plot";
 import { leastShown, number, quantile, roundScale } from "../shared/format";
 import { palette } from "../shared/palette";
-import type { ImageMap, Report } from "./data";
-import { Figure } from "./figure";
+import { Figure } from "../shared/figure";
+import type { ImageMap } from "../shared/types";
+import type { Report } from "./data";
 
 export function TargetPicture({ report }: { report: Report }) {
   const points = report.plots?.target ?? [];

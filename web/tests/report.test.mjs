@@ -131,6 +131,22 @@ async function checkMeaning(browser) {
   await page.close();
 }
 
+/** The heading over the structure speaks of effects found only where there are some. */
+async function checkHeading(browser) {
+  const { page } = await openPage(browser);
+  const template = readFileSync(join(share, "report.html"), "utf8");
+  const file = join(folder, "heading.html");
+  for (const [steps, heading] of [[[], "Where the model fails"],
+    [[{ effect: "rolling_shutter", error_after: 1 }], "What the effects found leave"]]) {
+    const report = fixtures.diagnosePoints();
+    report.result = { ...report.result, structure_of: "explanation", explanation: { steps, error: 1 } };
+    writeFileSync(file, fill(template, report));
+    await page.goto(pathToFileURL(file).href);
+    assert.equal(await page.locator("#structure h2").innerText(), heading);
+  }
+  await page.close();
+}
+
 /** The template alone, or a page that was cut, says so instead of staying white. */
 async function checkBroken(browser) {
   const { page, errors } = await openPage(browser);
@@ -150,6 +166,7 @@ try {
     }
   }
   if (given.length === 0) await checkMeaning(browser);
+  if (given.length === 0) await checkHeading(browser);
   if (given.length === 0) await checkBroken(browser);
 } finally {
   await browser.close();

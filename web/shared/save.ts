@@ -1,6 +1,6 @@
 // A plot as a file of its own: the drawing with the few styles it takes from the page.
 
-import { palette } from "../shared/palette";
+import { palette } from "./palette";
 
 /** The plot in `holder` as a whole SVG document; it stands alone in any viewer. */
 export function standalone(holder: HTMLElement): string {
@@ -11,6 +11,14 @@ export function standalone(holder: HTMLElement): string {
     `background: ${palette.card}; font-family: Inter, 'DejaVu Sans', sans-serif; font-size: 12px; ` +
     `color: ${palette.ink2}`);
   const { width, height } = drawing.viewBox.baseVal;
+  const painted = holder.querySelector("canvas");
+  if (painted) {
+    const image = document.createElementNS("http://www.w3.org/2000/svg", "image");
+    image.setAttribute("href", painted.toDataURL());
+    image.setAttribute("width", String(width));
+    image.setAttribute("height", String(height));
+    drawing.prepend(image);
+  }
   const padding = 14;
   drawing.setAttribute("viewBox",
     `${-padding} ${-padding} ${width + 2 * padding} ${height + 2 * padding}`);
