@@ -73,6 +73,7 @@ bool Robot::Implementation::take(const v1::ServerMessage& message, Stream& strea
     case v1::ServerMessage::kGoodbye:
       over = true;
       return false;
+    case v1::ServerMessage::kWatched:  // Of a script with the supervisor's rights, never here.
     case v1::ServerMessage::KIND_NOT_SET:
       return true;
   }

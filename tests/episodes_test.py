@@ -14,25 +14,14 @@ import unittest
 import numpy as np
 
 import by_hand
+import one_robot
 
 BUILD, SOURCE = by_hand.arguments("build", "source")
 sys.path.insert(0, str(BUILD / "python"))
 import seam_sdk  # noqa: E402
 
 SEAM = BUILD / "seam"
-SCENARIO = f"""format: seam-scenario/1
-name: episodes
-duration_s: 0.6
-seed: 5
-field: {SOURCE}/models/field_2002.yaml
-robots:
-  - id: r0
-    team: red
-    pose: {{x_m: -0.9, y_m: 0.4, theta_rad: 0.3}}
-    body: {SOURCE}/models/robot_ers210.yaml
-    camera: {{model: {SOURCE}/models/ers210.yaml, width_px: 44, height_px: 36, clock: {{period_s: 0.1}}}}
-    behaviour: {{clock: {{period_s: 0.032}}}}
-"""
+SCENARIO = one_robot.turns_of(SOURCE, "episodes", "r0", duration_s=0.6)
 
 
 class Episodes(unittest.TestCase):

@@ -117,7 +117,7 @@ ROOMS = {
         "robot": ["files", "library"],
         "host": ["files", "library", "network", "robot"],
     },
-    "app": {"trust": [], ".": ["trust"], "session": ["trust", "."], "logs": ["trust", "."], "episodes": ["logs"], "predictors": [".", "trust", "sweep", "sweep/plan"], "exchange": [],
+    "app": {"trust": [], ".": ["trust"], "signals": [], "session": ["trust", ".", "signals"], "logs": ["trust", ".", "signals"], "episodes": ["logs"], "predictors": [".", "trust", "sweep", "sweep/plan"], "exchange": [],
             "import/draft": ["exchange"], "import/files": [], "import/bags": ["import/files"],
             "import/pictures": [".", "import/draft", "import/files", "import/bags"],
             "import/servo": ["import/draft", "import/files", "import/bags"],

@@ -3,6 +3,7 @@
 
 Usage: world_test.py BUILD_DIR SOURCE_DIR [unittest arguments], by the interpreter that has gRPC.
 """
+import math
 import os
 import pathlib
 import re
@@ -15,19 +16,13 @@ import time
 import unittest
 
 import by_hand
+import one_robot
 
 BUILD, SOURCE = by_hand.arguments("build", "source")
 sys.path.insert(0, str(BUILD / "python"))
 import seam_sdk  # noqa: E402
 
 SEAM = BUILD / "seam"
-ROBOT = """  - id: ID
-    team: red
-    pose: {x_m: X, y_m: 0.4, theta_rad: 0.3}
-    body: SOURCE/models/robot_ers210.yaml
-    camera: {model: SOURCE/models/ers210.yaml, width_px: 44, height_px: 36, clock: {period_s: 0.1}}
-    behaviour: {command: [./bot.py], silence: SILENCE, wall_limit_s: 4, clock: {period_s: 0.032, phase_s: PHASE}}
-"""
 # Depends on frames, values and its own name.
 BEHAVIOUR = f"""#!{sys.executable}
 import sys
@@ -48,12 +43,9 @@ def decide(orders, seen):
 """
 
 
-def scenario(*robots, silence="abort"):
-    text = "format: seam-scenario/1\nname: world\nduration_s: 0.5\nseed: 5\nfield: SOURCE/models/field_2002.yaml\nrobots:\n"
-    for number, name in enumerate(robots):
-        text += (ROBOT.replace("ID", name).replace("X", str(number - 0.9)).replace("PHASE", str(0.016 * (number % 2)))
-                 .replace("SILENCE", silence))
-    return text.replace("SOURCE", str(SOURCE))
+def scenario(*robots, limit_s=30):
+    return one_robot.turns_of(SOURCE, "world", *robots, behaviour=f"command: [./bot.py], silence: abort, wall_limit_s: {limit_s}, ",
+                              phases_s=[0, 0.016])
 
 
 def servers(folder):
@@ -143,6 +135,7 @@ class World(unittest.TestCase):
             self.assertFalse(world.done)
 
     def test_time_stands_still_for_as_long_as_a_person_thinks(self):
+        (self.here / "one.yaml").write_text(scenario("r0", limit_s=4))
         self.run_by_seam("one")
         with seam_sdk.World("one.yaml", log="script.mcap") as world:
             time.sleep(5)  # Of 4 s that the scenario grants before it aborts.
@@ -158,6 +151,30 @@ class World(unittest.TestCase):
             self.assertAlmostEqual(truth.robots["r0"].x_m, -0.9, 3)
             world.step({"r0": seam_sdk.Decision().walk(vx_m_s=0.2)})
             self.assertEqual(world.truth().time_ns, world.time_ns)
+
+    def test_expressions_are_watched_with_the_turns_of_each_robot(self):
+        with self.assertRaisesRegex(seam_sdk.SeamError, "watch is the supervisor's"):
+            seam_sdk.World("one.yaml", watch=["time_s"])
+        with self.assertRaisesRegex(seam_sdk.SeamError, "watch.expressions: found 65, expected at most 64"):
+            seam_sdk.World("one.yaml", supervisor=True, watch=["time_s"] * 65)
+        self.run_by_seam("three")
+        watch = ["truth.{robot}.x_m - truth.r1.x_m", "time_s", "{robot}.paws"]
+        with seam_sdk.World("three.yaml", log="script.mcap", supervisor=True, watch=watch) as world:
+            while not world.done:
+                truth = world.truth().robots
+                self.assertEqual(list(world.watched), list(world.observations))
+                for name, seen in world.observations.items():
+                    apart_m, time_s, paws = world.watched[name]
+                    self.assertAlmostEqual(apart_m, truth[name].x_m - truth["r1"].x_m, 12)
+                    self.assertEqual(time_s, seen.time_ns * 1e-9)
+                    self.assertTrue(math.isnan(paws) if seen.sequence == 1 else paws == before[name])
+                before = {**(before if world.time_ns else {}), **{name: sum(seen.sensors.paw_contact) for name, seen in world.observations.items()}}
+                decisions = {name: seam_sdk.Decision() for name in world.observations}
+                for name, decision in decisions.items():
+                    self.decide(decision, world.observations[name])
+                world.step(decisions)
+            self.assertEqual([sorted(world.watched), world.watched["r0"][1]], [["r0", "r1", "r2"], 0.5])
+        self.equal("three.mcap", "script.mcap")
 
     def test_mistakes_are_exceptions_with_the_servers_words(self):
         with self.assertRaisesRegex(seam_sdk.SeamError, "nothing.yaml"):
@@ -175,7 +192,7 @@ class World(unittest.TestCase):
             self.assertGreater(world.time_ns, before)
             world.step({"r0": seam_sdk.Decision().joints([seam_sdk.JointTarget("head_pan", 0.1)]) if "head_pan" in world.robots["r0"].joint_names
                         else seam_sdk.Decision()})
-            os.kill(servers(self.here)[0] if servers(self.here) else servers("one.yaml")[0], signal.SIGKILL)
+            os.kill(world.process, signal.SIGKILL)
             with self.assertRaises(seam_sdk.SeamError):
                 for _ in range(3):
                     world.step()

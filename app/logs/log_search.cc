@@ -6,14 +6,12 @@
 #include <optional>
 
 #include "app/logs/log_signals.h"
-#include "effects/formulas/formula.h"
+#include "app/signals/signal_expression.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
 namespace {
 
-constexpr std::string_view kAge = ".age_s";
-constexpr std::string_view kTime = "time_s";
 // How finely ages and the time grow between the log's own samples.
 constexpr SimDuration kTick = SimDuration::from_ns(10'000'000);
 
@@ -23,55 +21,23 @@ std::string trimmed(std::string_view text) {
   return std::string(text.substr(first, text.find_last_not_of(" \t\n") - first + 1));
 }
 
-// What an expression reads: a variable's value, or its age.
-struct Read {
-  size_t signal = 0;  // Its place among those asked for.
-  bool age = false;
-  bool time = false;
-};
-
-struct Reads {
-  std::vector<Read> variables;
-  std::vector<std::string> signals;
-
-  explicit Reads(const std::vector<std::string>& names) {
-    for (const std::string& name : names) {
-      Read read{.age = name.ends_with(kAge), .time = name == kTime};
-      const std::string signal = read.age ? name.substr(0, name.size() - kAge.size()) : name;
-      const auto found = std::ranges::find(signals, signal);
-      read.signal = static_cast<size_t>(found - signals.begin());
-      if (found == signals.end()) signals.push_back(signal);
-      variables.push_back(read);
-    }
-  }
-  bool grow() const {
-    return std::ranges::any_of(variables, [](const Read& read) { return read.age || read.time; });
-  }
-};
-
 // Goes through a log's samples in the order of time and notes where the condition holds.
 class Search {
  public:
-  Search(const Reads& reads, const LogSignals& signals, const effects::Formula& formula,
-         SimDuration at_least, size_t most)
-      : reads_(reads),
-        signals_(signals),
-        formula_(formula),
+  Search(const std::vector<std::string>& names, const LogSignals& signals,
+         const SignalExpression& expression, SimDuration at_least, size_t most)
+      : signals_(signals),
+        expression_(expression),
         at_least_(at_least),
         most_(most),
-        last_(signals.instant.size()),
-        inputs_(reads.variables.size()) {
-    for (size_t i = 0; i < last_.size(); ++i)
-      if (signals.instant[i]) last_[i] = 0;
-    since_.resize(last_.size());
-  }
+        values_(names) {}
 
   std::vector<LogHit> run() {
     const std::vector<SignalSample>& samples = signals_.samples;
     SimTime tick;
     size_t next = 0;
     while (hits_.size() < most_) {
-      const bool ticks = reads_.grow() && tick <= signals_.end;
+      const bool ticks = expression_.grows() && tick <= signals_.end;
       if (next == samples.size() && !ticks) break;
       const SimTime now = next == samples.size() ? tick
                           : ticks                ? std::min(tick, samples[next].time)
@@ -80,15 +46,12 @@ class Search {
       while (tick <= now) tick = tick + kTick;
       bool instants = false;
       for (; next < samples.size() && samples[next].time == now; ++next) {
-        const size_t signal = samples[next].name;
-        last_[signal] = samples[next].value;
-        since_[signal] = now;
-        instants |= signals_.instant[signal];
+        values_.set(samples[next].name, now, samples[next].value);
+        instants |= values_.is_event(samples[next].name);
       }
       look(now);
       if (!instants) continue;
-      for (size_t i = 0; i < last_.size(); ++i)
-        if (signals_.instant[i]) last_[i] = 0;
+      values_.end_instant();
       look(now);
     }
     if (begin_ && hits_.size() < most_) end_hit(signals_.end, true);
@@ -96,24 +59,10 @@ class Search {
   }
 
  private:
-  bool holds(SimTime now) {
-    for (size_t i = 0; i < inputs_.size(); ++i) {
-      const Read& read = reads_.variables[i];
-      if (read.time) {
-        inputs_[i] = now.s();
-      } else if (read.age) {
-        inputs_[i] = (now - since_[read.signal]).s();
-      } else if (const auto& value = last_[read.signal]) {
-        inputs_[i] = *value;
-      } else {
-        return false;
-      }
-    }
-    const double value = formula_(inputs_);
-    return value != 0 && value == value;
-  }
   void look(SimTime now) {
-    const bool now_holds = holds(now);
+    // A condition is false until all that it reads has had a value, and where it is no number.
+    const double value = expression_.value(now, values_).value_or(0);
+    const bool now_holds = value != 0 && value == value;
     if (now_holds && !begin_) begin_ = now;
     if (!now_holds && begin_) end_hit(now, false);
   }
@@ -122,31 +71,14 @@ class Search {
     begin_.reset();
   }
 
-  const Reads& reads_;
   const LogSignals& signals_;
-  const effects::Formula& formula_;
+  const SignalExpression& expression_;
   const SimDuration at_least_;
   const size_t most_;
-  std::vector<std::optional<double>> last_;
-  std::vector<SimTime> since_;
-  std::vector<double> inputs_;
+  SignalValues values_;
   std::optional<SimTime> begin_;
   std::vector<LogHit> hits_;
 };
-
-// With the names that it reads.
-std::pair<effects::Formula, std::vector<std::string>> formula_of(const std::string& expression) {
-  using effects::Formula;
-  using effects::Names;
-  try {
-    auto names = Formula::names_in(expression, Names::dotted);
-    return {Formula(expression, names, Names::dotted), names};
-  } catch (const InputError& error) {
-    throw UsageError(fmt::format(
-        "condition: {}; expected an expression such as 'red1.ball_area_px == 0 && time_s > 5'",
-        error.what()));
-  }
-}
 
 // The first robot that these names are of.
 std::string robot_in(const std::vector<std::string>& names,
@@ -184,11 +116,11 @@ LogCondition condition_from(const std::string& text) {
 
 LogHits find_in(const scheduler::Log& log, const std::string& text, size_t most) {
   const LogCondition condition = condition_from(text);
-  const auto [formula, names] = formula_of(condition.expression);
-  const Reads reads(names);
-  const LogSignals signals = read_signals(log, reads.signals);
-  return {Search(reads, signals, formula, condition.at_least, most).run(),
-          robot_in(reads.signals, log.header().robots)};
+  std::vector<std::string> names;
+  const SignalExpression expression(condition.expression, "condition", names);
+  const LogSignals signals = read_signals(log, names);
+  return {Search(names, signals, expression, condition.at_least, most).run(),
+          robot_in(names, log.header().robots)};
 }
 
 std::string view_query(SimTime time, const std::string& robot) {

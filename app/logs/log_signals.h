@@ -1,17 +1,5 @@
-// What a log holds as numbers over time, by the names that conditions read:
-//
-//   time_s                     simulated seconds
-//   red1.NAME                  what red1's client logged as a value; holds until the next one
-//   red1.command.pan_rad       what red1's client ordered, by the names of the viewer's series
-//   truth.red1.x_m             truth, in the steps that the log keeps: x_m, y_m, heading_rad,
-//                              ball_distance_m (on the field), and joints such as pan_rad
-//   truth.ball.x_m             x_m, y_m, z_m
-//   event.goal                 1 at the instant of such an event, else 0; red1.event.kick: red1's
-//   own red1.event.printed         red1's behaviour printed a line, made a decision, was sent a
-//   frame:
-//                              printed, decision, frame
-//
-// Characters that cannot stand in such a name are written `_` in it: robot `red-1` is `red_1`.
+// What a log holds as numbers over time, by the names of app/signals/record_signals.h; truth in the
+// steps that the log keeps.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +19,6 @@ struct SignalSample {
 
 struct LogSignals {
   std::vector<SignalSample> samples;
-  std::vector<bool> instant;  // By name: 0 but at its samples' own times.
   SimTime end;
 };
 

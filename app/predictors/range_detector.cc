@@ -42,9 +42,7 @@ class BallRanger final : public measurement::RangeDetector {
         height_px_(spec.height_px) {
     robot_.pose = {};
     // The size of the colour image, and where its first pixel lies.
-    const render::Detections none =
-        colours_.detect(std::vector<uint8_t>(static_cast<size_t>(width_px_) * height_px_ * 3),
-                        width_px_, height_px_);
+    const render::Detections none = render::no_detections(width_px_, height_px_);
     colours_width_px_ = none.width_px, colours_height_px_ = none.height_px;
     left_px_ = (width_px_ - 2 * colours_width_px_) / 2,
     top_px_ = (height_px_ - 2 * colours_height_px_) / 2;

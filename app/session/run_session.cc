@@ -13,6 +13,7 @@
 #include "app/session/printed_output.h"
 #include "app/session/progress.h"
 #include "app/session/session_outputs.h"
+#include "app/signals/live_watches.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "sim_core/base/hash.h"
@@ -48,14 +49,6 @@ class AbortReason final : public scheduler::SimulationObserver {
   std::string text;
   const bool shows_clamped;
 };
-
-std::string token_text(const std::vector<scheduler::HubRobot>& robots,
-                       const std::string& supervisor, const std::string& render) {
-  std::string text = fmt::format("supervisor: {}\nrender: {}\nrobots:\n", supervisor, render);
-  for (const scheduler::HubRobot& robot : robots)
-    text += fmt::format("  {}: {}\n", robot.id, robot.token);
-  return text;
-}
 
 std::vector<std::string> command_of(const RobotSpec& robot, const SessionOptions& options) {
   const auto replaced = options.commands.find(robot.id);
@@ -146,6 +139,7 @@ class Session {
     observers.push_back(&notes_);
     observers.push_back(&logged_);
     observers.push_back(&memory_);
+    observers.push_back(&watches_);
     if (recorder_) observers.push_back(&*recorder_);
     if (outputs_.frames) observers.push_back(&*outputs_.frames);
     SessionSummary summary = simulate(wrap, std::move(observers));
@@ -186,6 +180,9 @@ class Session {
   scheduler::CommandNotes notes_;
   LoggedValues logged_;
   MemoryWatch memory_;
+  LiveWatches watches_{simulator_.world, [this](const std::string& robot) {
+                         return is_driven(options_.driven, robot);
+                       }};
   scheduler::RunControl control_;
   scheduler::ClientHub hub_;
   // Of the private socket, which this user alone reaches.
@@ -222,15 +219,15 @@ void Session::serve() {
   scheduler::ServerOptions serving{.addresses = options_.addresses,
                                    .tls = read_certificates(options_.certificates),
                                    .supervisor_token = scenario.supervisor_token,
-                                   .renderers = remote_.get()};
+                                   .renderers = remote_.get(),
+                                   .watches = &watches_};
   if (serving.supervisor_token.empty()) serving.supervisor_token = new_token();
   if (options_.start_behaviours) {
     serving.addresses.push_back(socket_);
     serving.lines = lines_;
   }
   server_.emplace(serving, scenario, simulator_.world, hub_, control_);
-  if (outputs_.tokens)
-    outputs_.tokens.fill(token_text(robots_, serving.supervisor_token, render_token_));
+  outputs_.fill_tokens(robots_, serving.supervisor_token, render_token_);
   for (const std::string& address : server_->addresses())
     if (address != socket_) std::printf("listening on %s\n", address.c_str());
   std::fflush(stdout);

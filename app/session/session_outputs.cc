@@ -55,6 +55,15 @@ void ReplacedLog::finish() {
   growing_.clear();
 }
 
+void SessionOutputs::fill_tokens(const std::vector<scheduler::HubRobot>& robots,
+                                 const std::string& supervisor, const std::string& render) {
+  if (!tokens) return;
+  std::string text = fmt::format("supervisor: {}\nrender: {}\nrobots:\n", supervisor, render);
+  for (const scheduler::HubRobot& robot : robots)
+    text += fmt::format("  {}: {}\n", robot.id, robot.token);
+  tokens.fill(text);
+}
+
 void SessionOutputs::finish_log() {
   log->close();
   if (replaced) replaced->finish();

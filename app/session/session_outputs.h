@@ -36,6 +36,9 @@ struct SessionOutputs {
   // Throws InputError and UsageError.
   explicit SessionOutputs(const SessionOptions& options);
 
+  // Secrets for clients elsewhere, where they are asked for.
+  void fill_tokens(const std::vector<scheduler::HubRobot>& robots, const std::string& supervisor,
+                   const std::string& render);
   // The log is complete; throws InputError where it cannot be.
   void finish_log();
 

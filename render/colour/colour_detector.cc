@@ -15,14 +15,19 @@ ColourDetector::ColourDetector(const ColourTable& table) {
   }
 }
 
+Detections no_detections(int width_px, int height_px) {
+  Detections none{.width_px = width_px >= 16 ? width_px / 2 / 8 * 8 : width_px / 2,
+                  .height_px = height_px / 2,
+                  .bits = {}};
+  none.bits.resize(static_cast<size_t>(none.width_px) * none.height_px);
+  return none;
+}
+
 Detections ColourDetector::detect(std::span<const uint8_t> ycrcb, int width_px,
                                   int height_px) const {
   SEAM_CHECK(ycrcb.size() == static_cast<size_t>(width_px) * height_px * 3, "{}", ycrcb.size());
-  Detections out{.width_px = width_px >= 16 ? width_px / 2 / 8 * 8 : width_px / 2,
-                 .height_px = height_px / 2,
-                 .bits = {}};
+  Detections out = no_detections(width_px, height_px);
   const int left = (width_px - 2 * out.width_px) / 2, top = (height_px - 2 * out.height_px) / 2;
-  out.bits.resize(static_cast<size_t>(out.width_px) * out.height_px);
   for (int v = 0; v < out.height_px; ++v) {
     const uint8_t* above = &ycrcb[3 * (static_cast<size_t>(top + 2 * v) * width_px + left)];
     const uint8_t* below = above + 3 * static_cast<size_t>(width_px);

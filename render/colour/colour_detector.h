@@ -19,6 +19,9 @@ struct Detections {
   std::vector<uint8_t> bits;
 };
 
+// Of a frame of this size, in which nothing was detected.
+Detections no_detections(int width_px, int height_px);
+
 class ColourDetector {
  public:
   explicit ColourDetector(const ColourTable& table);

@@ -67,7 +67,7 @@ void ClientHub::activate(int robot, const ClientConnection& connection) {
   Slot& slot = slots_[robot];
   if (slot.connection.get() != &connection) return;
   slot.active = true;
-  if (slot.owes) slot.connection->send(slot.pending);
+  if (slot.owes) slot.connection->send(slot.pending, asked_);
   if (slot.connection->descriptor() >= 0) changed_.ring();  // The loop is to read it from now on.
 }
 
@@ -172,6 +172,7 @@ std::vector<ClientHub::Letter> ClientHub::letters_for(
   now_ = now;
   loop_ = std::this_thread::get_id();
   applied_.clear();
+  asked_.clear();
   for (const auto& observation : observations) {
     Slot& slot = slots_[observation->robot];
     slot.pending = observation;
@@ -182,6 +183,7 @@ std::vector<ClientHub::Letter> ClientHub::letters_for(
     if (!takes_part) continue;
     slot.owes = true;
     ++owed_;
+    asked_.push_back(observation->robot);
     if (slot.active) letters.emplace_back(slot.connection, observation);
   }
   asked_at_ = WallClock::now();
@@ -272,7 +274,7 @@ void ClientHub::wait(std::unique_lock<std::mutex>& lock,
 // Sending happens outside the lock, so that early answers do not wait for late observations.
 void ClientHub::ask(SimTime now, std::span<const std::shared_ptr<const Observation>> observations) {
   for (const auto& [connection, observation] : letters_for(now, observations))
-    connection->send(observation);
+    connection->send(observation, asked_);
 }
 
 std::optional<Turn> ClientHub::decide(
@@ -280,7 +282,7 @@ std::optional<Turn> ClientHub::decide(
   const std::vector<Letter> letters = letters_for(now, observations);
   // Several clients are asked side by side, on as many cores as there are.
   core_.begin(slots_.size() == 1 && !letters.empty() ? letters.front().first->process() : 0);
-  for (const auto& [connection, observation] : letters) connection->send(observation);
+  for (const auto& [connection, observation] : letters) connection->send(observation, asked_);
   std::optional<Turn> turn = answers(observations);
   core_.end(WallClock::now() - asked_at_);
   return turn;

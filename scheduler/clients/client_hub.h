@@ -25,7 +25,9 @@ namespace seam::scheduler {
 class ClientConnection {
  public:
   virtual ~ClientConnection() = default;
-  virtual void send(std::shared_ptr<const Observation> observation) = 0;
+  // `asked`: the numbers of all robots that are asked at this instant.
+  virtual void send(std::shared_ptr<const Observation> observation,
+                    const std::vector<int>& asked) = 0;
   // The run is over.
   virtual void say_goodbye(SimTime time, const std::string& reason) = 0;
   // Another connection with the robot's token took over.
@@ -166,6 +168,7 @@ class ClientHub final : public LiveSource {
   std::vector<std::pair<int, std::string>> applied_;  // Policies that acted in this instant.
   SharedCore core_;
   size_t owed_ = 0;
+  std::vector<int> asked_;  // At this instant; changed by the loop's thread alone.
   bool ended_ = false;
   SimTime now_;
   WallClock::time_point asked_at_;

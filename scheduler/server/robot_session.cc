@@ -7,7 +7,9 @@
 
 #include "scheduler/loop/clock.h"
 #include "scheduler/loop/command_notes.h"
+#include "scheduler/wire/token.h"
 #include "scheduler/wire/wire.h"
+#include "sim_core/base/error.h"
 #include "sim_core/body/joint_table.h"
 
 namespace seam::scheduler {
@@ -15,6 +17,7 @@ namespace seam::scheduler {
 namespace {
 
 constexpr size_t kMaxClientNameBytes = 200;
+constexpr int kMaxWatched = 64;
 
 // What is to be said of targets beyond their joints' ranges, by joint.
 std::map<size_t, std::string> clamped_by(const RobotBody& body, const RobotCommand& command) {
@@ -31,17 +34,31 @@ std::map<size_t, std::string> clamped_by(const RobotBody& body, const RobotComma
 
 }  // namespace
 
-void RobotSession::send(std::shared_ptr<const Observation> observation) {
+void RobotSession::send(std::shared_ptr<const Observation> observation,
+                        const std::vector<int>& asked) {
   {
     const std::lock_guard lock(mutex_);
     sent_ = observation->sequence;
   }
+  tell_watched(observation->time, asked);
   v1::ServerMessage message;
   observation_to_wire(*observation, *message.mutable_observation());
   say(std::move(message));
 }
 
+void RobotSession::tell_watched(SimTime time, const std::vector<int>& asked) {
+  if (!watch_) return;
+  v1::ServerMessage message;
+  v1::Watched& watched = *message.mutable_watched();
+  watched.set_time_ns(time.ns());
+  for (const double value : watch_->values(time)) watched.add_values(value);
+  for (const int robot : asked)
+    watched.add_robots(parts_.scenario.robots[static_cast<size_t>(robot)].id);
+  say(std::move(message));
+}
+
 void RobotSession::say_goodbye(SimTime time, const std::string& reason) {
+  tell_watched(time, {});
   v1::ServerMessage message;
   message.mutable_goodbye()->set_reason(reason);
   message.mutable_goodbye()->set_time_ns(time.ns());
@@ -74,6 +91,35 @@ bool RobotSession::has_greeted() {
   return robot_ >= 0;
 }
 
+bool RobotSession::take_watch(const v1::Hello& hello) {
+  if (!hello.has_watch()) return true;
+  const auto refuse = [this](grpc::StatusCode code, const std::string& text) {
+    hang_up({code, text});
+    return false;
+  };
+  constexpr const char* kTried = "supervisor";
+  if (const double wait_s = parts_.tries.wait_s(peer_, kTried); wait_s > 0)
+    return refuse(grpc::StatusCode::UNAVAILABLE, wait_text(wait_s));
+  const v1::Watch& watch = hello.watch();
+  if (parts_.supervisor_token.empty() || !same_token(watch.token(), parts_.supervisor_token)) {
+    parts_.tries.note_wrong(peer_, kTried);
+    return refuse(grpc::StatusCode::UNAUTHENTICATED, "watch.token: not the supervisor's token");
+  }
+  if (watch.expressions_size() > kMaxWatched)
+    return refuse(grpc::StatusCode::INVALID_ARGUMENT,
+                  fmt::format("watch.expressions: found {}, expected at most {}",
+                              watch.expressions_size(), kMaxWatched));
+  if (parts_.watches == nullptr)
+    return refuse(grpc::StatusCode::FAILED_PRECONDITION, "watch: nothing can be watched here");
+  try {
+    watch_ = parts_.watches->watch(hello.robot(),
+                                   {watch.expressions().begin(), watch.expressions().end()});
+  } catch (const UsageError& error) {
+    return refuse(grpc::StatusCode::INVALID_ARGUMENT, error.what());
+  }
+  return true;
+}
+
 void RobotSession::take_hello(const v1::ClientMessage& message) {
   if (!message.has_hello())
     return hang_up({grpc::StatusCode::FAILED_PRECONDITION, "the first message must be a Hello"});
@@ -90,6 +136,7 @@ void RobotSession::take_hello(const v1::ClientMessage& message) {
       return hang_up({grpc::StatusCode::UNAVAILABLE, wait_text(wait_s)});
     }
   }
+  if (!take_watch(hello)) return;
   const auto attached = parts_.hub.attach(hello.robot(), hello.token(), hello.client(), self());
   switch (attached.result) {
     case Attachment::unknown_robot:

@@ -11,6 +11,7 @@
 
 #include "scheduler/clients/client_hub.h"
 #include "scheduler/clients/token_tries.h"
+#include "scheduler/server/watch.h"
 #include "seam/v1/simulation.pb.h"
 
 namespace seam::scheduler {
@@ -22,6 +23,8 @@ struct SessionParts {
   const Scenario& scenario;
   ClientHub& hub;
   TokenTries& tries;
+  std::string supervisor_token;
+  WatchSource* watches = nullptr;  // None: nobody may watch.
 };
 
 class RobotSession : public ClientConnection {
@@ -31,7 +34,7 @@ class RobotSession : public ClientConnection {
       : parts_(parts), peer_(std::move(peer)) {}
 
   // ---- ClientConnection ----
-  void send(std::shared_ptr<const Observation> observation) override;
+  void send(std::shared_ptr<const Observation> observation, const std::vector<int>& asked) override;
   void say_goodbye(SimTime time, const std::string& reason) override;
   void drop(const std::string& reason) override;
 
@@ -52,6 +55,9 @@ class RobotSession : public ClientConnection {
 
  private:
   void take_hello(const v1::ClientMessage& message);
+  // False: it was refused.
+  bool take_watch(const v1::Hello& hello);
+  void tell_watched(SimTime time, const std::vector<int>& asked);
   void take_decision(const v1::ClientMessage& message);
   // `bad`: why it is refused.
   void answer(uint64_t sequence, Decision decision, const FieldError* bad,
@@ -63,7 +69,8 @@ class RobotSession : public ClientConnection {
   std::mutex mutex_;
   int robot_ = -1;  // Once the hello was accepted.
   bool left_ = false;
-  uint64_t sent_ = 0;  // The newest observation's number.
+  uint64_t sent_ = 0;             // The newest observation's number.
+  std::shared_ptr<Watch> watch_;  // Set before the robot is known; none: nothing is watched.
 };
 
 }  // namespace seam::scheduler

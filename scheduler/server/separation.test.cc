@@ -161,6 +161,27 @@ TEST(Separation, NobodyDrivesARobotWithAnythingButItsToken) {
   }
 }
 
+TEST(Separation, OnlyTheSupervisorWatches) {
+  LiveRun run(separate_scenario(2));
+  run.start();
+  v1::ClientMessage first;
+  first.mutable_hello()->set_robot("r0");
+  first.mutable_hello()->set_token("token-r0");
+  first.mutable_hello()->mutable_watch()->add_expressions("truth.r1.x_m");
+  std::vector<std::string> tokens = wrong_tokens();
+  tokens.push_back("boss");  // Right, but no robot of this run is driven by a script.
+  for (const std::string& token : tokens) {
+    first.mutable_hello()->mutable_watch()->set_token(token);
+    RawClient client(run.address);
+    client.write(first);
+    v1::ServerMessage message;
+    EXPECT_FALSE(client.read(message)) << token << ": " << message.ShortDebugString();
+    EXPECT_EQ(client.finish().error_code(), token == "boss" ? grpc::StatusCode::FAILED_PRECONDITION
+                                                            : grpc::StatusCode::UNAUTHENTICATED)
+        << token;
+  }
+}
+
 TEST(Separation, TheSceneIsNotForRobotsNorForTheSupervisor) {
   LiveRun run(separate_scenario(2));
   for (const std::string& token : {std::string(), std::string("token-r0"), std::string("boss")}) {
@@ -191,54 +212,28 @@ void list_fields(const pb::Descriptor& type, const std::string& before,
 TEST(Separation, WhatARobotIsToldIsAClosedList) {
   std::set<std::string> sent;
   list_fields(*v1::ServerMessage::descriptor(), "", sent);
-  std::set<std::string> expected = {"welcome.robot",
-                                    "welcome.robot_number",
-                                    "welcome.decision_latency_ns",
-                                    "welcome.decision_period_ns",
-                                    "welcome.image_width_px",
-                                    "welcome.image_height_px",
-                                    "welcome.team",
-                                    "welcome.next_sequence",
-                                    "welcome.joint_names",
-                                    "observation.sequence",
-                                    "observation.time_ns",
-                                    "observation.sensors.acceleration_m_s2.x",
-                                    "observation.sensors.acceleration_m_s2.y",
-                                    "observation.sensors.acceleration_m_s2.z",
-                                    "observation.sensors.odometry.x_m",
-                                    "observation.sensors.odometry.y_m",
-                                    "observation.sensors.odometry.heading_rad",
-                                    "observation.sensors.paw_contact",
-                                    "observation.frames.index",
-                                    "observation.frames.stamp_ns",
-                                    "observation.frames.width_px",
-                                    "observation.frames.height_px",
-                                    "observation.frames.rgb",
-                                    "observation.frames.ycrcb",
-                                    "observation.frames.row_start_ns",
-                                    "observation.frames.row_end_ns",
-                                    "observation.frames.fingerprint",
-                                    "observation.frames.colours",
-                                    "observation.frames.colours_width_px",
-                                    "observation.frames.colours_height_px",
-                                    "observation.messages.from",
-                                    "observation.messages.sent_ns",
-                                    "observation.messages.arrived_ns",
-                                    "observation.messages.payload",
-                                    "observation.game.state",
-                                    "observation.game.first_half",
-                                    "observation.game.kick_off_team",
-                                    "observation.game.own_score",
-                                    "observation.game.opponent_score",
-                                    "observation.game.remaining_ns",
-                                    "observation.game.penalty",
-                                    "observation.game.penalty_remaining_ns",
-                                    "refusal.sequence",
-                                    "refusal.field",
-                                    "refusal.message",
-                                    "refusal.decision_owed",
-                                    "goodbye.reason",
-                                    "goodbye.time_ns"};
+  std::set<std::string> expected = {
+      "welcome.robot", "welcome.robot_number", "welcome.decision_latency_ns",
+      "welcome.decision_period_ns", "welcome.image_width_px", "welcome.image_height_px",
+      "welcome.team", "welcome.next_sequence", "welcome.joint_names", "observation.sequence",
+      "observation.time_ns", "observation.sensors.acceleration_m_s2.x",
+      "observation.sensors.acceleration_m_s2.y", "observation.sensors.acceleration_m_s2.z",
+      "observation.sensors.odometry.x_m", "observation.sensors.odometry.y_m",
+      "observation.sensors.odometry.heading_rad", "observation.sensors.paw_contact",
+      "observation.frames.index", "observation.frames.stamp_ns", "observation.frames.width_px",
+      "observation.frames.height_px", "observation.frames.rgb", "observation.frames.ycrcb",
+      "observation.frames.row_start_ns", "observation.frames.row_end_ns",
+      "observation.frames.fingerprint", "observation.frames.colours",
+      "observation.frames.colours_width_px", "observation.frames.colours_height_px",
+      "observation.messages.from", "observation.messages.sent_ns",
+      "observation.messages.arrived_ns", "observation.messages.payload", "observation.game.state",
+      "observation.game.first_half", "observation.game.kick_off_team", "observation.game.own_score",
+      "observation.game.opponent_score", "observation.game.remaining_ns",
+      "observation.game.penalty", "observation.game.penalty_remaining_ns", "refusal.sequence",
+      "refusal.field", "refusal.message", "refusal.decision_owed", "goodbye.reason",
+      "goodbye.time_ns",
+      // With the supervisor's token alone: OnlyTheSupervisorWatches.
+      "watched.time_ns", "watched.values", "watched.robots"};
   for (const char* joints : {"joints", "joint_log"})
     for (const char* value :
          {"time_ns", "tilt_rad", "pan_rad", "roll_rad", "legs_rad", "angles_rad"})

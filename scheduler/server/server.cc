@@ -8,7 +8,8 @@
 namespace seam::scheduler {
 
 struct Server::Implementation {
-  Implementation(const Scenario& scenario, ClientHub& hub) : sessions{scenario, hub, tries} {}
+  Implementation(const ServerOptions& options, const Scenario& scenario, ClientHub& hub)
+      : sessions{scenario, hub, tries, options.supervisor_token, options.watches} {}
 
   TokenTries tries;
   const SessionParts sessions;
@@ -21,7 +22,7 @@ struct Server::Implementation {
 
 Server::Server(const ServerOptions& options, const Scenario& scenario, const World& world,
                ClientHub& hub, RunControl& control)
-    : implementation_(std::make_unique<Implementation>(scenario, hub)) {
+    : implementation_(std::make_unique<Implementation>(options, scenario, hub)) {
   Implementation& parts = *implementation_;
   parts.robots = make_robot_service(parts.sessions);
   parts.supervisor =

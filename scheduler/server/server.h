@@ -12,6 +12,7 @@
 #include "scheduler/listen/tls_texts.h"
 #include "scheduler/loop/run_control.h"
 #include "scheduler/remote_render/remote_renderer.h"
+#include "scheduler/server/watch.h"
 #include "sim_core/scenario/scenario.h"
 #include "sim_core/world/world.h"
 
@@ -25,6 +26,7 @@ struct ServerOptions {
   std::string supervisor_token;
   RemoteRenderer* renderers = nullptr;     // Where frames are rendered by other processes.
   std::optional<ConnectionLimits> limits;  // None: connection_limits().
+  WatchSource* watches = nullptr;          // What a script may watch; outlives the server.
   // The path of a Unix socket for direct lines (proto/line.h); empty: none.
   std::string lines;
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "render/colour/colour_detector.h"
 #include "sim_core/body/joint_table.h"
 #include "tools/dm_env_rpc/request_error.h"
 
@@ -187,6 +188,11 @@ void RobotInterface::add_camera(const CameraSpec& camera) {
                   true);
   add_observation(spec_of("camera.rgb", rpc::UINT8, {height, width, 3}),
                   pixels({height, width, 3}, &v1::Frame::rgb), true);
+  if (!camera.colour_table_yaml.empty()) {
+    const render::Detections size = render::no_detections(width, height);
+    add_observation(spec_of("camera.colours", rpc::UINT8, {size.height_px, size.width_px}),
+                    pixels({size.height_px, size.width_px}, &v1::Frame::colours), true);
+  }
   add_observation(spec_of("camera.row_start_ns", rpc::INT64, {height}),
                   row_times(height, &v1::Frame::row_start_ns), true);
   add_observation(spec_of("camera.row_end_ns", rpc::INT64, {height}),

@@ -9,11 +9,11 @@
 
 namespace seam::app {
 
-struct JointNames {
+struct BagJointNames {
   std::vector<std::string> list;
   std::map<std::string, size_t> place;
 
-  explicit JointNames(std::vector<std::string> names) : list(std::move(names)) {
+  explicit BagJointNames(std::vector<std::string> names) : list(std::move(names)) {
     for (size_t i = 0; i < list.size(); ++i) place.try_emplace(list[i], i);
   }
   std::optional<size_t> find(const std::string& name) const {
@@ -21,11 +21,11 @@ struct JointNames {
     return found == place.end() ? std::nullopt : std::optional(found->second);
   }
 };
-using SharedNames = std::shared_ptr<const JointNames>;
+using SharedNames = std::shared_ptr<const BagJointNames>;
 
 // `last` where it holds these names, else new ones in its place.
 inline const SharedNames& share_names(SharedNames& last, std::vector<std::string> names) {
-  if (!last || last->list != names) last = std::make_shared<const JointNames>(std::move(names));
+  if (!last || last->list != names) last = std::make_shared<const BagJointNames>(std::move(names));
   return last;
 }
 

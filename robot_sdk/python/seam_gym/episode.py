@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import seam_sdk
 
-from .signals import Signals
 from .task import Side, Task, pixels
 
 
@@ -39,13 +38,11 @@ class Episode:
             with self._make_world(None, None, ()) as world:
                 sides = {name: Side(task, robot) for name, robot in world.robots.items()}
         self.sides = dict(sides)
-        self._signals = Signals(set().union(*(side.signals for side in self.sides.values())),
-                                {name: side.joint_names for name, side in self.sides.items()})
         self.over = True  # There are no more turns.
         self._frames: dict[str, seam_sdk.Frame] = {}  # The newest of each agent.
         self._last: dict[str, Turn] = {}  # Of each agent.
         self._first = True  # No turn was answered yet.
-        self._truth: seam_sdk.Truth | None = None  # Of the newest turn, where it is needed.
+        self._truth: seam_sdk.Truth | None = None  # Of the newest turn, where functions are called with it.
 
     def reset(self, seed: int, changes: Mapping[str, Any]) -> dict[str, Turn]:
         """Begins the next episode.
@@ -57,7 +54,6 @@ class Episode:
         self._world = self._make_world(seed, log, options)
         self._number += 1
         self._frames, self._last, self._first, self.over = {}, {}, True, False
-        self._signals.restart()
         return self._turns()
 
     def begin(self, actions: Mapping[str, Any]) -> None:
@@ -70,8 +66,6 @@ class Episode:
             for name, turn in self._last.items():
                 decisions.setdefault(name, seam_sdk.Decision()).log_value("reward", turn.reward)
         self._first = False
-        for name, decision in decisions.items():
-            self._signals.log(name, self._world.time_ns * 1e-9, decision.logged_values)
         self._world.answer(decisions)
 
     def finish(self) -> dict[str, Turn]:
@@ -97,7 +91,7 @@ class Episode:
     # ---- Parts ----
 
     def _make_world(self, seed: int | None, log: str | None, options: Sequence[str]) -> seam_sdk.World:
-        return seam_sdk.World(self._scenario, seed, robots=self._wanted, supervisor=self._task.needs_truth, log=log,
+        return seam_sdk.World(self._scenario, seed, robots=self._wanted, supervisor=True, watch=self._task.expressions, log=log,
                               options=[*self._options, *options])
 
     def _turns(self) -> dict[str, Turn]:
@@ -107,14 +101,14 @@ class Episode:
                 f"at {world.time_ns * 1e-9:g} s it is the turn of {', '.join(world.observations)} alone, expected all of "
                 f"{', '.join(self.sides)}: give robots that learn together one behaviour.clock")
         self.over = world.done
-        # At the end nobody senses anything any more: observations and truth are those of the last turn.
-        if not world.done:
-            self._truth = world.truth() if self._task.needs_truth else None
-        values = self._signals.values(world.time_ns * 1e-9, self._truth)
+        # At the end robots sense nothing more, as in any run: the observation is that of the last turn, and so is the truth
+        # that functions get. Expressions have their values at the end.
+        if not world.done and self._task.calls_functions:
+            self._truth = world.truth()
         for name, side in self.sides.items():
             seen = self._last[name].info["seen"] if world.done else world.observations[name]
             if seen.frames:
                 self._frames[name] = seen.frames[-1]
-            reward, ends, watched = side.judge(seen, self._truth, values)
+            reward, ends, watched = side.judge(seen, self._truth, world.watched.get(name, ()))
             self._last[name] = Turn(side.observation(seen, self._frames.get(name)), reward, ends, {"seen": seen, "watched": watched})
         return self._last

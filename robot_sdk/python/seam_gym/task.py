@@ -9,8 +9,6 @@ from typing import Any, Optional, Union
 import numpy as np
 import seam_sdk
 
-from .expressions import Expression
-from .signals import plain_name
 from .spaces import Box, Dict, Discrete
 
 _WALK = ("vx_m_s", "vy_m_s", "omega_rad_s")
@@ -35,7 +33,8 @@ class Act:
     decide: Callable[[Any, seam_sdk.Observation], seam_sdk.Decision]
 
 
-# A reward or an end: an expression (signals.py), or a function of what the robot senses and of where everything truly is.
+# A reward or an end: an expression of seam_sdk.World(watch=[...]), or a function of what the robot senses and of where
+# everything truly is.
 Judged = Union[str, Callable[[seam_sdk.Observation, seam_sdk.Truth], float]]
 
 
@@ -57,8 +56,14 @@ class Task:
     watch: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
     @property
-    def needs_truth(self) -> bool:
-        return any(callable(one) or "truth." in one for one in (self.reward, self.terminated, *self.watch.values()))
+    def expressions(self) -> list[str]:
+        """In the order in which `Side.judge` takes their values."""
+        return [one for one in (self.reward, self.terminated, *self.watch.values()) if isinstance(one, str)]
+
+    @property
+    def calls_functions(self) -> bool:
+        """Of truth, which is then asked for at each turn."""
+        return callable(self.reward) or callable(self.terminated)
 
     @property
     def wants_frames(self) -> bool:
@@ -79,11 +84,6 @@ class Side:
         self.observation_space = Dict({sense.name: sense.space for sense in self._senses})
         self._act = _act(task.act, robot)
         self.action_space = self._act.space
-        self.joint_names = robot.joint_names
-        own = plain_name(robot.name)
-        self._reward, self._terminated, *watched = (
-            one if callable(one) else Expression(one.replace("{robot}", own)) for one in (task.reward, task.terminated, *task.watch.values()))
-        self._watch = dict(zip(task.watch, watched))
 
     def observation(self, seen: seam_sdk.Observation, frame: seam_sdk.Frame | None) -> dict[str, Any]:
         return {sense.name: sense.read(seen, frame) for sense in self._senses}
@@ -91,17 +91,13 @@ class Side:
     def decision(self, action: Any, seen: seam_sdk.Observation) -> seam_sdk.Decision:
         return self._act.decide(action, seen)
 
-    @property
-    def signals(self) -> set[str]:
-        """What its expressions read."""
-        judged = (self._reward, self._terminated, *self._watch.values())
-        return set().union(*(one.names for one in judged if isinstance(one, Expression)))
-
     def judge(self, seen: seam_sdk.Observation, truth: seam_sdk.Truth | None,
-              values: Mapping[str, float]) -> tuple[float, bool, dict[str, float]]:
-        """Reward, whether the episode ends, and what is watched. What is no number counts as 0."""
-        reward, ends = (float(one(values) if isinstance(one, Expression) else one(seen, truth)) for one in (self._reward, self._terminated))
-        watched = {name: one(values) for name, one in self._watch.items()}
+              values: Sequence[float]) -> tuple[float, bool, dict[str, float]]:
+        """Reward, whether the episode ends, and what is watched, by the values of the task's expressions. What is no number
+        counts as 0."""
+        rest = iter(values)
+        reward, ends = (float(one(seen, truth) if callable(one) else next(rest)) for one in (self._task.reward, self._task.terminated))
+        watched = dict(zip(self._task.watch, rest))
         return 0.0 if math.isnan(reward) else reward, ends != 0 and not math.isnan(ends), watched
 
 

@@ -127,10 +127,6 @@ class Decision(Orders):
         super().__init__()
         self._names: list[str] = []  # Of joints, whose numbers are known once it is given to a robot.
 
-    @property
-    def logged_values(self) -> dict[str, float]:
-        return {item.name: item.value for item in self._answer.decision.debug if item.HasField("value")}
-
     def _joint_number(self, name: str) -> int:
         if name not in self._names:
             self._names.append(name)

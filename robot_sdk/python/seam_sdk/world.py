@@ -60,10 +60,14 @@ class RefusedDecision(SeamError):
 class _Seat(Robot):
     """A robot whose turns the script takes: what is asked, and answered, as two calls."""
 
-    def __init__(self, connection: Connection) -> None:
+    def __init__(self, connection: Connection, watch: wire.Watch | None) -> None:
         super().__init__(connection)
+        self.watched: wire.Watched | None = None  # Of the turn that is there, or of the next one once that was heard.
         self.line = DirectLine(connection.line, MOST_SERVER_MESSAGE_BYTES)
-        self.line.send(self._hello())
+        hello = self._hello()
+        if watch is not None:
+            hello.hello.watch.CopyFrom(watch)
+        self.line.send(hello)
 
     def greet(self) -> None:
         """Hears what the robot is like, which comes before its first turn."""
@@ -72,6 +76,16 @@ class _Seat(Robot):
     def answer(self) -> None:
         self.line.send(self._answer)
         self._answer = wire.ClientMessage()
+        self.watched = None
+
+    def asked(self) -> list[str] | None:
+        """Takes one message; the robots that are asked next, where it says so."""
+        message = self.line.receive()
+        if message.WhichOneof("kind") != "watched":
+            self._hear(message)
+            return None
+        self.watched = message.watched
+        return list(message.watched.robots)
 
     def next(self) -> Observation | None:
         """The robot's next turn; none at the end of the run."""
@@ -82,7 +96,10 @@ class _Seat(Robot):
             if kind == "observation":
                 self._answer.decision.sequence = message.observation.sequence
                 return from_wire(message.observation)
-            self._hear(message)
+            if kind == "watched":
+                self.watched = message.watched
+            else:
+                self._hear(message)
         return None
 
 
@@ -91,21 +108,28 @@ class World:
 
     scenario: a file of format seam-scenario/1.
     robots: those that the script drives; the behaviours of all others are started. Left out: all robots.
-    supervisor: whether `truth()` may be asked.
+    supervisor: whether `truth()` may be asked, and `watch` be given.
+    watch: expressions in the language of `seam replay find --when`, over truth, logged values and events, whose values
+        `watched` has at each turn; `{robot}` is the robot whose turn it is.
     log: where the replay log goes; options: further ones of `seam serve`, such as ["--set", "duration_s=2"].
     seam: the program; left out: SEAM_PROGRAM, the one beside this package, or the one in PATH.
     """
 
     def __init__(self, scenario: str | os.PathLike[str], seed: int | None = None, *, robots: Sequence[str] | None = None,
-                 supervisor: bool = False, log: str | os.PathLike[str] | None = None, options: Sequence[str] = (),
-                 seam: str | os.PathLike[str] | None = None) -> None:
-        self._scenario, self._wanted, self._options = scenario, robots, list(options)
+                 supervisor: bool = False, watch: Sequence[str] = (), log: str | os.PathLike[str] | None = None,
+                 options: Sequence[str] = (), seam: str | os.PathLike[str] | None = None) -> None:
+        if watch and not supervisor:
+            raise SeamError("watch is the supervisor's: make the world with supervisor=True")
+        self._scenario, self._wanted, self._options, self._watch = scenario, robots, list(options), list(watch)
         self._log, self._supervisor, self._program = log, supervisor, _program(seam)
         self._server: subprocess.Popen[str] | None = None
         self._folder: tempfile.TemporaryDirectory[str] | None = None
         self._channel: grpc.Channel | None = None
         self.robots: dict[str, _Seat] = {}  # Those that are driven, by name.
         self.observations: dict[str, Observation] = {}  # Of the robots whose turn it is.
+        # Values of `watch` by robot: of those whose turn it is, at the end of all that are driven. NaN where one reads what
+        # has no value yet; events are those since the robot's last turn.
+        self.watched: dict[str, tuple[float, ...]] = {}
         self.time_ns = 0  # Of the observations.
         self.done = False  # The run is over: there are no observations any more.
         self.reset(seed)
@@ -180,7 +204,7 @@ class World:
             _end(server)
         for robot in self.robots.values():
             robot.line.close()
-        self.robots, self.observations = {}, {}
+        self.robots, self.observations, self.watched = {}, {}, {}
         if self._channel is not None:
             self._channel.close()
             self._channel = None
@@ -223,8 +247,12 @@ class World:
         tokens = dict(re.findall(r"^ *([^:\n]+): (\S+)$", (here / "tokens").read_text(), re.M))
         self._token, names = tokens.pop("supervisor"), list(tokens)[1:]
         self._refused: list[RefusedDecision] = []
-        for name in names if self._wanted is None else self._wanted:
-            seat = _Seat(Connection(f"unix:{here}/socket", name, tokens[name], line=f"{here}/lines"))
+        driven = names if self._wanted is None else self._wanted
+        for name in driven:
+            own = re.sub(r"[^A-Za-z0-9_.]", "_", name)
+            watch = wire.Watch(token=self._token, expressions=[text.replace("{robot}", own) for text in self._watch])
+            seat = _Seat(Connection(f"unix:{here}/socket", name, tokens[name], line=f"{here}/lines"),
+                         watch if self._watch or len(driven) > 1 else None)
             seat.on_refusal = lambda refusal, name=name: self._refused.append(RefusedDecision(name, refusal))
             self.robots[name] = seat
         try:
@@ -242,6 +270,7 @@ class World:
         except LineError as error:
             raise self._failure(str(error)) from error
         self.observations = {name: seen for name, seen in found.items() if seen is not None}
+        self.watched = {name: tuple(self.robots[name].watched.values) for name in found} if self._watch else {}
         self.done = not self.observations
         if self.done:
             self._finish()
@@ -253,20 +282,14 @@ class World:
         return self.observations
 
     def _due(self) -> list[str]:
-        """Robots of one instant are asked together: the first to hear of it asks who they are."""
-        while len(self.robots) > 1:
-            lines = [robot.line for robot in self.robots.values()]
-            if not any(line.has_read for line in lines):
-                select.select(lines, [], [])
-            try:
-                status = self._stub.GetStatus(wire.SupervisorRequest(token=self._token))
-            except grpc.RpcError:
-                break  # At its end the server answers nothing any more.
-            due = [robot.robot for robot in status.robots if robot.owes_decision and robot.robot in self.robots]
-            if due:
-                return due
-            if status.ended:
-                break
+        """Robots of one instant are asked together: the first to hear of it hears who they are."""
+        seats = {robot.line: robot for robot in self.robots.values()}
+        while len(seats) > 1:
+            ready = [line for line in seats if line.has_read] or select.select(list(seats), [], [])[0]
+            asked = seats[ready[0]].asked()
+            if asked is not None:
+                # Nobody is asked at the end, of which all hear.
+                return [name for name in asked if name in self.robots] or list(self.robots)
         return list(self.robots)
 
     def _finish(self) -> None:
