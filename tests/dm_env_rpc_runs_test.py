@@ -10,12 +10,13 @@ import time
 import unittest
 
 # Before the SDK, whose place it knows.
-from dm_client import BUILD, SEAM, Case, number, properties, rpc, scenario, seed, tensor
+from dm_client import BUILD, SEAM, SOURCE, Case, number, properties, rpc, scenario, seed, tensor
 import seam_sdk
 
 
 class Runs(Case):
     """The same simulation as by any other client, with the same logs."""
+    text = scenario("r0").replace("ers210.yaml,", f"ers210.yaml, colour_table: {SOURCE}/models/colour_table_2002.yaml,")
     orders = [{"walk.vx_m_s": 0.1, "joints.pan_rad": 0.3}, {}, {"joints.tilt_rad": -0.4}, {"walk.omega_rad_s": 0.5}] + 20 * [{}]
 
     def play(self, agent, observations=()):
@@ -35,7 +36,7 @@ class Runs(Case):
 
     def test_its_log_is_that_of_a_script_which_decides_the_same(self):
         agent = self.agent(seed(21))
-        seen = self.play(agent, ["camera.rgb", "camera.frame_index"])
+        seen = self.play(agent, ["camera.rgb", "camera.colours", "camera.frame_index"])
         log = self.here / "logs" / f"{agent.world}-1.mcap"
         walk, frames = {}, []
         with seam_sdk.World(self.here / "scenario.yaml", seed=21, log=self.here / "script.mcap") as world:
@@ -56,6 +57,9 @@ class Runs(Case):
         self.seam("diff", log, "script.mcap")
         self.assertGreater(len(frames), 2)
         self.assertEqual(seen[-1]["camera.rgb"].uint8s.array, frames[-1].rgb)
+        colours = seen[-1]["camera.colours"]
+        self.assertEqual((colours.uint8s.array, list(colours.shape)), (frames[-1].colours, [18, 16]))
+        self.assertGreater(len(set().union(*(values["camera.colours"].uint8s.array for values in seen))), 2)
         self.assertEqual(seen[-1]["camera.frame_index"].int64s.array[0], frames[-1].index)
         self.assertEqual(set(seen[0]["camera.rgb"].uint8s.array), {0})  # Before the first frame.
         # What is done with a log.

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import unittest
 
-from gym_worlds import BEHAVIOUR, BUILD, SOURCE, Gym, scenario
+from gym_worlds import BEHAVIOUR, BUILD, SOURCE, Gym, np, wave
 import seam_gym
 
 
@@ -33,6 +33,31 @@ class Logs(Gym):
         self.seam("replay", "whatif", "gym1.mcap", "--robot", "r0", "--client", "./bot.py", "--log", "whatif.mcap")
         self.seam("diff", "run.mcap", "whatif.mcap")
         self.seam("diff", "gym0.mcap", "gym1.mcap", code=1)
+
+    def test_worlds_side_by_side_and_robots_that_learn_together_write_the_same_logs(self):
+        worlds = self.env(kind=seam_gym.VectorEnv, num_envs=2, log="world{world}-{episode}.mcap")
+        worlds.reset(seed=7)
+        for turn in range(16):
+            worlds.step(np.stack([wave(turn)] * 2))
+        worlds.close()
+        self.play(self.env(log="alone.mcap"), 8)
+        self.seam("diff", "world1-0.mcap", "alone.mcap")
+        self.seam("diff", "world0-0.mcap", "world1-0.mcap", code=1)
+        for number in range(2):
+            env = self.env("three.yaml", kind=seam_gym.ParallelEnv, log=f"together{number}.mcap")
+            env.reset(seed=3)
+            turn = 0
+            while env.agents:
+                env.step(dict.fromkeys(env.agents, wave(turn)))
+                turn += 1
+        self.seam("diff", "together0.mcap", "together1.mcap")
+        self.seam("replay", "verify", "together0.mcap")
+        (self.here / "bot.py").write_text(BEHAVIOUR)
+        (self.here / "bot.py").chmod(0o755)
+        # It logs no rewards, and decides the same.
+        said = self.seam("replay", "whatif", "together0.mcap", "--robot", "r1", "--client", "./bot.py", "--log", "whatif.mcap")
+        self.assertNotEqual(said, "")
+        self.seam("replay", "verify", "whatif.mcap")
 
     def test_an_episode_that_was_left_has_a_whole_log(self):
         env = self.env(log="left{episode}.mcap", terminated="time_s > 0.1")
