@@ -181,6 +181,10 @@ class Hostile(unittest.TestCase):
         (cls.inputs / "set-link" / "linked.csv").symlink_to("../../decoys/points.csv")
         with (cls.inputs / "set-scene" / "measurement.yaml").open("a") as file:
             file.write("scene: ../../decoys/scene.yaml\n")
+        cls.left_out = [cls.inputs / f"left-out-{i}.csv" for i in range(3)]
+        for path, text in zip(cls.left_out, (f"row,reason\n3,{ESCAPE}<script>", f"file,row,reason\n../../decoys/points.csv,2,{ESCAPE}",
+                                             f"row,reason\n{ESCAPE},x")):
+            path.write_bytes(text.encode() + b"\xff\xfe\n")
         cls.model = cls.inputs / "model.yaml"
         cls.model.write_text(MODEL.replace("NAME", f"../x\\x1b[2J"))
         cls.result = cls.inputs / "result.json"
@@ -312,6 +316,8 @@ class Hostile(unittest.TestCase):
             self.walk("add", "rolling_shutter", *both, "--out", "{out}/a.yaml")
             self.walk("diagnose", *both, "--json", "{out}/d.json", "--suggest", "{out}/s.yaml")
             self.walk("discover", *both, "--out", "{out}/d.yaml")
+            for left_out in self.left_out:
+                self.walk("compare", *both, "--leave-out", left_out, "--json", "{out}/c.json", "--report", "{out}/c.html")
 
         self.walk("schema", f"../../decoys/{ESCAPE}", codes=(2,))
 

@@ -42,14 +42,27 @@ std::unique_ptr<Problem> open_problem(const std::filesystem::path& path,
                                       const std::filesystem::path& target) {
   MeasurementSet set = MeasurementSet::open(path);
   set.target = target;
+  return open_problem(std::move(set), instruments);
+}
+
+MeasurementSet open_set(const std::filesystem::path& folder,
+                        const std::filesystem::path& left_out) {
+  MeasurementSet set = MeasurementSet::open(folder);
+  if (!left_out.empty())
+    set.left_out = read_left_out(left_out, set, find_kind(set.kind).observations.file);
+  return set;
+}
+
+std::unique_ptr<Problem> open_problem(MeasurementSet set, const Instruments& instruments) {
   const Kind& kind = find_kind(set.kind);
-  if (!target.empty() && kind.bit != effects::kPoints)
+  if (!set.target.empty() && kind.bit != effects::kPoints)
     throw InputError(fmt::format("{}: a target file belongs to sets of points, found kind {}",
-                                 target.string(), set.kind));
+                                 set.target.string(), set.kind));
   const Concerns concerns = concerns_of(set, kind.observations);
   if (!concerns.errors.empty())
     throw InputError(fmt::format("{}", fmt::join(concerns.errors, "\n")));
   std::unique_ptr<Problem> problem = kind.open(set, instruments);
+  problem->say_left_out(set.left_out);
   add_beginnings(kind, std::move(set), instruments, *problem);
   return problem;
 }

@@ -46,6 +46,11 @@ const Kind& find_kind(const std::string& name);
 std::unique_ptr<Problem> open_problem(const std::filesystem::path& set,
                                       const Instruments& instruments = {},
                                       const std::filesystem::path& target = {});
+std::unique_ptr<Problem> open_problem(MeasurementSet set, const Instruments& instruments = {});
+
+// The set in a folder with the rows left out that a file names (measurement/sets/left_out.h); an
+// empty name leaves none out.
+MeasurementSet open_set(const std::filesystem::path& folder, const std::filesystem::path& left_out);
 
 // Writes the set that the model would give by this protocol, whatever its kind.
 void measure_set(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "effects/questions.h"
+#include "measurement/sets/left_out.h"
 
 namespace seam::measurement {
 
@@ -82,7 +83,8 @@ struct Facts {
   std::vector<int> row_of;      // By scalar.
   std::vector<int> channel_of;  // By scalar.
   std::vector<Covariate> covariates;
-  std::vector<std::string> notes;  // What of the set takes no part, and why: sentences.
+  std::vector<std::string> notes;     // What of the set takes no part, and why: sentences.
+  std::vector<LeftOutRows> left_out;  // By choice.
   FigureTable figures;
   std::vector<CombinedChannel> combined;  // Looked at by the structure tests beside the channels.
 

@@ -194,6 +194,12 @@ Score Problem::score(const Model& model, const Groups& groups) const {
   return score_of(*this, evaluate(model, groups));
 }
 
+void Problem::say_left_out(const LeftOut& rows) {
+  if (rows.empty()) return;
+  facts_.left_out = rows.reasons;
+  facts_.notes.insert(facts_.notes.begin(), rows.sentence());
+}
+
 void Problem::leave_out(std::vector<char> outliers) {
   // Marks that stand leave what was kept under them.
   if (outliers == left_out_) return;

@@ -186,6 +186,9 @@ class Problem {
   // Default: what their records say.
   virtual std::string advice(const std::string& effect, const std::string& other) const;
 
+  // Rows that a person left out when the set was read.
+  void say_left_out(const LeftOut& rows);
+
   // By scalar: 1 leaves it out of everything.
   void leave_out(std::vector<char> outliers);
   bool left_out(size_t scalar) const {

@@ -190,8 +190,9 @@ std::string document(const Problem& problem, const ReportHeader& header, const S
     after = problem.residual_view(stages.after->model, groups);
     append_stage(problem, *after, "after", looks, stages.after_structure, plots);
   }
-  append_data_pictures(problem, MeasurementSet::open(header.data_folder), before,
-                       after ? &*after : nullptr, plots);
+  MeasurementSet set = MeasurementSet::open(header.data_folder);
+  set.left_out = header.left_out;
+  append_data_pictures(problem, set, before, after ? &*after : nullptr, plots);
   const Assessment& shown = stages.after ? *stages.after : *stages.before;
   const Facts& facts = problem.facts();
   if (facts.width_px > 0 && !shown.unknowns.empty()) {

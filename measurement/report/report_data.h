@@ -13,6 +13,7 @@ struct ReportHeader {
   std::string command;  // As it was typed.
   std::string model_file;
   std::string data_folder;
+  LeftOut left_out;  // Rows that take no part.
   Doubts doubts;
 };
 

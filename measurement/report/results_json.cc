@@ -31,10 +31,22 @@ void add_noise(ordered_json& json, const Problem& problem) {
   json["noise_estimated"] = estimated;
 }
 
+// Rows that a person left out, by reason.
+void add_left_out(ordered_json& json, const Problem& problem) {
+  size_t rows = 0;
+  ordered_json reasons = ordered_json::array();
+  for (const LeftOutRows& left : problem.facts().left_out) {
+    rows += left.rows;
+    reasons.push_back({{"reason", left.reason}, {"rows", left.rows}});
+  }
+  if (rows > 0) json["left_out"] = {{"rows", rows}, {"reasons", std::move(reasons)}};
+}
+
 void add_notes(ordered_json& json, const Problem& problem, const Model& model) {
   std::vector<std::string> notes = problem.facts().notes;
   for (const std::string& missed : problem.remarks(model)) notes.push_back(missed);
   if (!notes.empty()) json["notes"] = notes;
+  add_left_out(json, problem);
 }
 
 // The figures of a field's standard, and those that a model gives instead.

@@ -63,7 +63,8 @@ Rig Rig::from_set(const MeasurementSet& set) {
     rig.read_chain(keys, set);
   } else if (!keys.poses.empty()) {
     rig.type_ = Type::poses;
-    rig.read_poses(set.has_file(keys.poses) ? set.file(keys.poses) : set.inside(node.at("poses")));
+    rig.read_poses(set.has_file(keys.poses) ? set.table(keys.poses)
+                                            : CsvTable::read(set.inside(node.at("poses"))));
   }
   return rig;
 }
@@ -71,7 +72,7 @@ Rig Rig::from_set(const MeasurementSet& set) {
 Rig Rig::from_poses(const std::filesystem::path& table) {
   Rig rig;
   rig.type_ = Type::poses;
-  rig.read_poses(table);
+  rig.read_poses(CsvTable::read(table));
   return rig;
 }
 
@@ -118,8 +119,7 @@ void Rig::read_chain(const RigKeys& keys, const MeasurementSet& set) {
   find_cycle();
 }
 
-void Rig::read_poses(const std::filesystem::path& path) {
-  const CsvTable table = CsvTable::read(path);
+void Rig::read_poses(const CsvTable& table) {
   if (table.rows() < 2)
     throw InputError(
         fmt::format("{}: found {} rows, expected 2 or more", table.file(), table.rows()));

@@ -83,7 +83,7 @@ class Rig {
   };
 
   void read_chain(const RigKeys& keys, const MeasurementSet& set);
-  void read_poses(const std::filesystem::path& path);
+  void read_poses(const CsvTable& table);
   void find_cycle();
   effects::JointTrack finer_track() const;
 

@@ -147,6 +147,7 @@ CsvTable MeasurementSet::table(const std::string& name) const {
   CsvTable table = CsvTable::read(file(name));
   if (kind == "joints" && name == "joints" && root.has("joint"))
     keep_joint(root.at("joint"), table);
+  left_out.take_from(name, table);
   table.exchange(exchanged.first, exchanged.second);
   if (beginning.rows > 0 && name == beginning.table)
     table.keep_rows(first_of_each(table, group, beginning.rows));
@@ -180,6 +181,10 @@ std::string MeasurementSet::fingerprint() const {
   for (const auto& [name, relative] : files) {
     hasher.add(name);
     hasher.add(read_file(folder / relative));
+  }
+  for (const auto& [name, lines] : left_out.lines) {
+    hasher.add(name);
+    for (const int line : lines) hasher.add(int64_t{line});
   }
   return to_hex(hasher.digest());
 }

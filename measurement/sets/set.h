@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "measurement/sets/csv.h"
+#include "measurement/sets/left_out.h"
 #include "sim_core/base/config.h"
 
 namespace seam::measurement {
@@ -42,6 +43,7 @@ struct MeasurementSet {
     size_t rows = 0;  // 0: all.
   };
   Beginning beginning;
+  LeftOut left_out;  // Rows of its tables that take no part, and why.
   // A table of where the points of the target were found earlier (point, x_m, y_m, z_m), which goes
   // before the set's own; empty: none.
   std::filesystem::path target;
@@ -66,7 +68,7 @@ struct MeasurementSet {
   // One sigma of a column; 0 where the set states none.
   double noise_of(const std::string& column) const;
 
-  // Of measurement.yaml and the files it names, as 16 hexadecimal digits.
+  // Of measurement.yaml, the files it names and the rows left out, as 16 hexadecimal digits.
   std::string fingerprint() const;
 };
 

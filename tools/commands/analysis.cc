@@ -21,6 +21,9 @@ void add_analysis_flags(app::Command command, AnalysisFlags& flags, bool with_re
 
 void add_data_flags(app::Command command, AnalysisFlags& flags, bool with_report) {
   command.add_option("--data", flags.data, "The folder of the measurement set").required();
+  command.add_option("--leave-out", flags.leave_out,
+                     "A table row,reason of rows that take no part: their lines in the file of "
+                     "observations (a column `file` names another table of the set)");
   command.add_option("--target", flags.target,
                      "Of points: a file of where the target's points were found (--target-out)");
   add_run_flags(command, flags.runs);
@@ -44,9 +47,15 @@ void add_target_out_flag(app::Command command, AnalysisFlags& flags) {
 
 std::unique_ptr<measurement::Problem> open_problem(const AnalysisFlags& flags) {
   app::refuse_foreign_file(flags.data);
-  auto problem = measurement::open_problem(flags.data, app::instruments(flags.runs), flags.target);
+  measurement::MeasurementSet set = open_set(flags);
+  set.target = flags.target;
+  auto problem = measurement::open_problem(std::move(set), app::instruments(flags.runs));
   say_work("fitting the model");
   return problem;
+}
+
+measurement::MeasurementSet open_set(const AnalysisFlags& flags) {
+  return measurement::open_set(flags.data, flags.leave_out);
 }
 
 effects::Model read_model(const std::string& path) {
@@ -65,7 +74,7 @@ void add_material_flag(app::Command command, AnalysisFlags& flags) {
 
 measurement::Doubts doubts_about(const AnalysisFlags& flags, const effects::Model& model,
                                  double error) {
-  return measurement::doubts(measurement::MeasurementSet::open(flags.data), model, error);
+  return measurement::doubts(open_set(flags), model, error);
 }
 
 double unexplained_error(const measurement::SearchResult& result) {
@@ -74,8 +83,9 @@ double unexplained_error(const measurement::SearchResult& result) {
 }
 
 AnalysisOutputs::AnalysisOutputs(const AnalysisFlags& flags, const std::string& out_file) {
-  const OutputRules rules{
+  OutputRules rules{
       .inputs = {flags.model, std::filesystem::path(flags.data) / "measurement.yaml"}};
+  if (!flags.leave_out.empty()) rules.inputs.emplace_back(flags.leave_out);
   json = OutputFile(flags.json, rules);
   report = OutputFile(flags.report, rules);
   out = OutputFile(out_file, rules);
@@ -91,10 +101,13 @@ void AnalysisOutputs::print(const std::string& text,
 
 measurement::ReportHeader report_header(const std::string& command, const AnalysisFlags& flags,
                                         const measurement::Doubts& doubts) {
-  return {.command = fmt::format("seam {} --model {} --data {} --report {}", command, flags.model,
-                                 flags.data, flags.report),
+  const std::string left_out =
+      flags.leave_out.empty() ? "" : fmt::format(" --leave-out {}", flags.leave_out);
+  return {.command = fmt::format("seam {} --model {} --data {}{} --report {}", command, flags.model,
+                                 flags.data, left_out, flags.report),
           .model_file = flags.model,
           .data_folder = flags.data,
+          .left_out = open_set(flags).left_out,
           .doubts = doubts};
 }
 

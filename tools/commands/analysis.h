@@ -18,6 +18,7 @@ namespace seam::tools {
 struct AnalysisFlags {
   std::string model;
   std::string data;
+  std::string leave_out;  // Rows of the set that take no part.
   std::string json;
   std::string report;
   std::string target;      // Where the points of the target are, of an earlier fit.
@@ -42,6 +43,8 @@ void add_data_flags(app::Command command, AnalysisFlags& flags, bool with_report
 void add_target_out_flag(app::Command command, AnalysisFlags& flags);
 
 std::unique_ptr<measurement::Problem> open_problem(const AnalysisFlags& flags);
+// The set that the flags name, without the rows that --leave-out names.
+measurement::MeasurementSet open_set(const AnalysisFlags& flags);
 
 effects::Model read_model(const std::string& path);
 

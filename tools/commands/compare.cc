@@ -65,6 +65,8 @@ void add_compare(app::Command app) {
   command.callback([flags, models] {
     if (flags->model.empty() == models->empty() || (!models->empty() && models->size() != 2))
       throw UsageError("compare: expected --model MODEL, or --models A B with two models");
+    if (flags->model.empty() && !flags->leave_out.empty())
+      throw UsageError("compare: --leave-out needs --model: two models are compared without rows");
     if (models->empty()) {
       compare_with_data(*flags);
     } else {
