@@ -157,6 +157,31 @@ def check_outside_project(prefix, folder):
         assert said.removeprefix("seam ") == run(prefix / "bin/seam-render", "--version").strip().removeprefix("seam-render ")
 
 
+def check_open_r(prefix, folder):
+    """Programs for an AIBO, by open_r_add_object() and by `seam open-r build`, against the moved tree alone."""
+    seam, examples = prefix / "bin" / "seam", SOURCE / "open_r/examples"
+    project = folder / "open_r"
+    shutil.copytree(examples / "localization", project)
+    shutil.copytree(examples / "moving_head", project / "head")
+    with (project / "CMakeLists.txt").open("a") as file:
+        file.write("add_subdirectory(head)\n")
+    (project / "head/CMakeLists.txt").write_text(
+        "open_r_add_object(swing FILE SWINGHD.BIN STICK MS STUB SwingHead/stub.cfg SOURCES SwingHead/SwingHead.cc)\n")
+    run("cmake", "-S", project, "-B", project / "build", f"-DCMAKE_PREFIX_PATH={prefix}", f"-DCMAKE_CXX_COMPILER={CXX}",
+        "-DCMAKE_CXX_FLAGS=-O0")
+    run("cmake", "--build", project / "build", "--parallel", "2")
+    models = prefix / "share/seam/models"
+    path = project / "run.yaml"
+    for stick, said in (("build/MS", "Localizer: at "), ("build/head/MS", "SwingHead: swung for")):
+        path.write_text(scenario(models, f"open_r, {project / stick}]").replace("]]", "], clock: {period_s: 0.008}"))
+        assert said in run(seam, "run", path, cwd=folder)
+    (project / "head/CMakeLists.txt").write_text("open_r_add_object(swing FILE swing.so SOURCES a.cc)\n")
+    assert "expected the name in OBJECT.CFG" in run("cmake", project / "build", code=1)
+    run(seam, "open-r", "build", examples / "moving_head", "--compiler", CXX, "--out", folder / "head", "--log",
+        folder / "head.mcap", cwd=folder)
+    run(seam, "replay", "verify", folder / "head.mcap")
+
+
 def check_python(prefix, folder):
     """A behaviour in Python needs nothing but its first line; what cannot be started is named."""
     seam, models = prefix / "bin" / "seam", prefix / "share/seam/models"
@@ -223,6 +248,7 @@ def main():
         check_texts(prefix)
         check_program(prefix, folder)
         check_outside_project(prefix, folder)
+        check_open_r(prefix, folder)
         check_python(prefix, folder)
 
 

@@ -171,7 +171,6 @@ BANNED = {
 CLOCK = re.compile(r"\b(?:system_clock|steady_clock|high_resolution_clock|gettimeofday|clock_gettime)\b|\btime\s*\(\s*(?:nullptr|NULL)")
 CLOCK_PLACES = {
     "app/session/behaviours.cc", "app/session/progress.cc", "app/session/progress.h", "app/session/run_session.cc", "app/sweep/sweep_progress.h", "app/terminal_progress.cc", "app/terminal_progress.h",
-    "open_r/programs/compiler.cc",  # The names of calls that it wraps.
     "app/sweep/sweep_progress.cc", "app/import/bags/reading_progress.cc", "app/import/bags/reading_progress.h", "robot_sdk/robot.cc",
     "scheduler/listen/accept_loop.cc", "scheduler/listen/connection_count.h", "scheduler/remote_render/remote_renderer.cc", "scheduler/remote_render/render_client.cc",
     "scheduler/clients/client_hub.h", "scheduler/server/grpc_listener.cc", "scheduler/server/stream.h",

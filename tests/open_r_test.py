@@ -19,6 +19,43 @@ SEAM, SOURCE = by_hand.arguments("seam", "source")
 EXAMPLES = SOURCE / "open_r" / "examples"
 LIMIT_S = 240  # A hang is a failure.
 
+# What `seam open-r stub` would make, as programs before it had it: functions, entries and the table by hand.
+BY_HAND = {
+    "def.h": "const int numOfSubject = 1, sbjMove = 0, numOfObserver = 1;\n",
+    "entry.h": """#include <OPENR/OPENR.h>
+static const char* const subjectService[] = {"SwingHead.Move.OCommandVectorData.S"};
+static const char* const observerService[] = {"SwingHead.Nothing.DoNotConnect.O"};
+static const Selector Entry_Control[] = {4}, Entry_Ready[] = {5}, Entry_Connect[] = {6}, Entry_Notify[] = {7};
+""",
+    "SwingHeadStub.cc": """#include <MCOOP.h>
+#include <ObjectEntryTable.h>
+#include <apsys.h>
+#include "SwingHead.h"
+SwingHead Self;
+#define REASON(NAME) \\
+  extern "C" void NAME##Stub(OReasonMessage* m) { Self.NAME(OSystemEvent(m->reason, m->param, m->paramSize)); Return(); }
+REASON(Init) REASON(Start) REASON(Stop) REASON(Destroy)
+extern "C" void ControlStub(OControlMessage* m) { Self.subject[0]->ControlHandler(*m); Return(); }
+extern "C" void ReadyStub(OReadyMessage* m) {
+  Self.subject[0]->ReadyHandler(*m);
+  Self.MoveOn(OReadyEvent(0, m->observerID, m->command));
+  Return();
+}
+extern "C" void ConnectStub(OConnectMessage* m) { Self.observer[0]->ConnectHandler(*m); Return(); }
+GEN_ENTRY(InitEntry, InitStub);
+GEN_ENTRY(StartEntry, StartStub);
+GEN_ENTRY(StopEntry, StopStub);
+GEN_ENTRY(DestroyEntry, DestroyStub);
+GEN_ENTRY(ControlEntry, ControlStub);
+GEN_ENTRY(ReadyEntry, ReadyStub);
+GEN_ENTRY(ConnectEntry, ConnectStub);
+ObjectEntry ObjectEntryTable[] = {
+    {oentryINIT, (Entry)InitEntry}, {oentrySTART, (Entry)StartEntry}, {oentrySTOP, (Entry)StopEntry},
+    {oentryDESTROY, (Entry)DestroyEntry}, {4, (Entry)ControlEntry}, {5, (Entry)ReadyEntry}, {6, (Entry)ConnectEntry},
+    {UNDEF, (Entry)ENTRY_UNDEF}};
+""",
+}
+
 
 def seam(*words, code=0):
     done = subprocess.run([SEAM, *map(str, words)], capture_output=True, text=True, timeout=LIMIT_S)
@@ -48,6 +85,16 @@ class OpenR(unittest.TestCase):
     def copy_of(self, example):
         program = self.here / example
         shutil.copytree(EXAMPLES / example, program)
+        return program
+
+    def changed(self, old, new):
+        """A program like moving_head, but for one place."""
+        program = self.here / f"changed_{len(list(self.here.iterdir()))}"
+        shutil.copytree(EXAMPLES / "moving_head", program)
+        source = program / "SwingHead" / "SwingHead.cc"
+        text = source.read_text()
+        self.assertIn(old, text)
+        source.write_text(text.replace(old, new))
         return program
 
     def joint_angles(self, log, joint):
@@ -102,12 +149,68 @@ class OpenR(unittest.TestCase):
         self.assertIn("no folder", said)
 
     def test_a_program_that_crashes_is_a_client_that_crashes(self):
-        program = self.copy_of("moving_head")
-        source = program / "SwingHead" / "SwingHead.cc"
-        source.write_text(source.read_text().replace("if (command == 0) return;", "*(volatile int*)0 = 1;"))
-        out, _ = self.build(program)
+        out, _ = self.build(self.changed("if (command == 0) return;", "*(volatile int*)0 = 1;"))
         said = seam("run", out / "scenario.yaml", code=1)
         self.assertIn("was ended by signal 11", said)
+
+    def test_a_program_that_blocks_is_silent_for_its_robot(self):
+        program = self.changed("if (command == 0) return;", "for (;;) {}")
+        out, _ = self.build(program)
+        scenario = out / "scenario.yaml"
+        clock = "clock: {period_s: 0.008}"
+        scenario.write_text(scenario.read_text().replace(clock, clock + ", silence: abort, wall_limit_s: 3"))
+        self.assertIn("no answer within 3 s of wall time", seam("run", scenario, code=1))
+
+    def test_floods_are_bounded(self):
+        program = self.changed("if (command == 0) return;", 'for (int i = 0; i < 3000; ++i) OSYSPRINT(("%0100d\\n", i));')
+        out, _ = self.build(program)
+        _, said, _ = self.run_for(out, 0.5)
+        self.assertRegex(said, r"\(\d+ lines left out: more than 16384 bytes a simulated second\)")
+        # Objects that answer each other without end.
+        program = self.changed("if (!running_ || !event.IsAssert()) return;",
+                               "static OObserver self; self.SetNotifyEntry(OServiceEntry(myOID_, 5));\n"
+                               "  self.AssertReady(SubjectID(myOID_, 5));")
+        out, _ = self.build(program)
+        said = seam("run", out / "scenario.yaml", code=1)
+        self.assertIn("messages within one frame of 8 ms, the last one to SWINGHD", said)
+
+    def test_logs_are_those_of_any_behaviour(self):
+        """Two runs differ where their seeds do; a changed program is tried against a recorded run."""
+        out, _ = self.build(EXAMPLES / "moving_head")
+        logs = {name: self.here / f"{name}.mcap" for name in ("first", "again", "other")}
+        for (name, log), seed in zip(logs.items(), (1, 1, 2)):
+            seam("run", out / "scenario.yaml", "--set", "duration_s=1", "--set", f"seed={seed}", "--log", log)
+        seam("replay", "diff", logs["first"], logs["again"])
+        seam("replay", "diff", logs["first"], logs["other"], code=1)
+        whatif = ("replay", "whatif", logs["first"], "--robot", "aibo", "--from", "0", "--json", self.here / "diff.json", "--force")
+        same = seam(*whatif, "--client", f"open_r {out / 'MS'}")
+        self.assertTrue(json.loads((self.here / "diff.json").read_text())["equal"], same)
+        changed = self.changed("kAmplitude_deg = 60", "kAmplitude_deg = 30")
+        seam("open-r", "build", changed, "--out", self.here / "changed")
+        seam(*whatif, "--client", f"open_r {self.here / 'changed' / 'MS'}")
+        self.assertFalse(json.loads((self.here / "diff.json").read_text())["equal"])
+
+    def test_a_stub_by_hand(self):
+        program = self.copy_of("moving_head")
+        folder = program / "SwingHead"
+        (folder / "stub.cfg").unlink()
+        for name, text in BY_HAND.items():
+            (folder / name).write_text(text)
+        out, _ = self.build(program)
+        _, said, _ = self.run_for(out, 1)
+        self.assertRegex(said, r"SwingHead: swung for \d+ ms")
+        (folder / "SwingHeadStub.cc").write_text(BY_HAND["SwingHeadStub.cc"].replace("ObjectEntryTable[]", "Table[]"))
+        out, _ = self.build(program)
+        self.assertIn("has no ObjectEntryTable", seam("run", out / "scenario.yaml", code=1))
+
+    def test_what_is_refused_says_why(self):
+        source = self.changed("#include <math.h>", "#include <math.h>\n#include <OPENR/ODataArchive.h>\n"
+                              "static ODataArchiveID id;\nOStatus Open() { return ODataArchive::New(0, 0, &id); }\n"
+                              'void Old() { asm("mfc0 $2, $12"); }')
+        said = seam("open-r", "build", source, "--out", self.here / "out", code=1)
+        self.assertIn("lacks ODataArchive::New is refused: read the file of the archive", said)
+        program = self.changed("#include <math.h>", '#include <math.h>\nvoid Old() { asm("mfc0 $2, $12"); }')
+        self.assertIn("lacks a MIPS processor", seam("open-r", "build", program, "--out", self.here / "out", code=1))
 
     def test_a_stub(self):
         seam("open-r", "stub", EXAMPLES / "walking/GaitWalker/stub.cfg", "--out", self.here)

@@ -1,5 +1,5 @@
-# For find_package(seam) of an installed SEAM: effects outside its tree link seam::plugin, and SEAM_PROGRAM is the
-# program that loads them. Every path is relative to this file, so that the tree may be moved.
+# For find_package(seam) of an installed SEAM: effects outside its tree link seam::plugin, SEAM_PROGRAM is the program that
+# loads them, and open_r_add_object() builds objects of programs for an AIBO (seamOpenR.cmake). Every path is relative to this file, so that the tree may be moved.
 include(CMakeFindDependencyMacro)
 find_dependency(fmt)
 get_filename_component(seam_prefix ${CMAKE_CURRENT_LIST_DIR}/../../.. ABSOLUTE)
@@ -16,3 +16,5 @@ if(NOT TARGET seam::plugin)
     INTERFACE_COMPILE_OPTIONS -ffp-contract=off
     INTERFACE_LINK_LIBRARIES fmt::fmt)
 endif()
+set(SEAM_OPEN_R_HEADERS ${seam_prefix}/share/seam/open_r/include)
+include(${CMAKE_CURRENT_LIST_DIR}/seamOpenR.cmake)

@@ -96,6 +96,23 @@ sError DeleteRegion(void* base) {
   return sSUCCESS;
 }
 
+sError NewSharedMemoryRegion(size_t size, MemoryProtectionInfo, MemoryRegionID* id, void** base) {
+  auto* region = new RCRegion(size);
+  *id = region->MemID();
+  *base = region->Base();
+  System::current().shared_regions()[*id] = region;
+  return sSUCCESS;
+}
+
+sError DeleteSharedMemoryRegion(MemoryRegionID id) {
+  auto& regions = System::current().shared_regions();
+  const auto found = regions.find(id);
+  if (found == regions.end()) return sINVALIDARG;
+  found->second->RemoveReference();
+  regions.erase(found);
+  return sSUCCESS;
+}
+
 sError WhoAmI(OID* oid) {
   *oid = System::current().running();
   return sSUCCESS;

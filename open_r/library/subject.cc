@@ -13,6 +13,16 @@ size_t room_for(size_t units, size_t unit, size_t most) {
   return std::max(unit, std::min(units * unit, most));
 }
 
+// Gives a copy of a buffer to `take`, which may keep it.
+template <class Take>
+OStatus with_copy(const void* buffer, size_t size, Take take) {
+  auto* region = new RCRegion(size);
+  std::copy_n(static_cast<const char*>(buffer), size, region->Base());
+  const OStatus status = take(region);
+  region->RemoveReference();
+  return status;
+}
+
 }  // namespace
 
 OSubject::OSubject() : buffer_size_(MAX_NUM_DATA), unit_(1) {}
@@ -80,11 +90,7 @@ OStatus OSubject::SetData(const ObserverID& id, RCRegion* region) {
 }
 
 OStatus OSubject::SetData(const void* buffer, size_t size) {
-  auto* region = new RCRegion(size);
-  std::copy_n(static_cast<const char*>(buffer), size, region->Base());
-  const OStatus status = SetData(region);
-  region->RemoveReference();
-  return status;
+  return with_copy(buffer, size, [&](RCRegion* region) { return SetData(region); });
 }
 
 OStatus OSubject::SetData(const OObserverInfo& observer, const void* buffer, size_t size) {
@@ -92,11 +98,7 @@ OStatus OSubject::SetData(const OObserverInfo& observer, const void* buffer, siz
 }
 
 OStatus OSubject::SetData(const ObserverID& observer, const void* buffer, size_t size) {
-  auto* region = new RCRegion(size);
-  std::copy_n(static_cast<const char*>(buffer), size, region->Base());
-  const OStatus status = SetData(observer, region);
-  region->RemoveReference();
-  return status;
+  return with_copy(buffer, size, [&](RCRegion* region) { return SetData(observer, region); });
 }
 
 void OSubject::clear(OObserverInfo& observer) {

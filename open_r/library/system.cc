@@ -33,6 +33,7 @@ System::System() : before_(newest) {
 }
 
 System::~System() {
+  for (const auto& [id, region] : shared_regions_) region->RemoveReference();
   newest = before_;
 }
 

@@ -57,6 +57,8 @@ class System {
   int64_t now_ns() const { return now_ns_; }
   void set_now_ns(int64_t now_ns) { now_ns_ = now_ns; }
   MemoryRegionID next_region() { return ++last_region_; }
+  // What objects share by its number alone.
+  std::map<MemoryRegionID, RCRegion*>& shared_regions() { return shared_regions_; }
 
  private:
   struct Object {
@@ -77,6 +79,7 @@ class System {
   OID running_;
   int64_t now_ns_ = 0;
   MemoryRegionID last_region_ = 0;
+  std::map<MemoryRegionID, RCRegion*> shared_regions_;
 };
 
 }  // namespace seam::open_r

@@ -85,7 +85,7 @@ antError IpStack::call(antEnvMsg& message) {
       create.error = known ? ANT_SUCCESS : ANT_ENDPOINT_NOFACTORY;
       if (!known) return ANT_SUCCESS;
       create.moduleRef = antModuleRef(static_cast<int>(endpoints_.size()));
-      endpoints_.push_back({.protocol = create.protocol});
+      endpoints_.push_back({.protocol = create.protocol, .owner = system_.running()});
       return ANT_SUCCESS;
     }
     case antRequest_CreateBuffer: {
@@ -162,7 +162,7 @@ bool IpStack::attempt(Waiting& waiting) {
 
 // ---- TCP ----
 
-int IpStack::listener(Port port) {
+int IpStack::listener(Port port, OID owner) {
   const auto known = listeners_.find(port);
   if (known != listeners_.end()) return known->second;
   const int socket = new_socket(SOCK_STREAM);
@@ -173,12 +173,12 @@ int IpStack::listener(Port port) {
     ::close(socket);
     return -1;
   }
-  std::printf("%s listens on 127.0.0.1:%d\n", system_.name(system_.running()).c_str(), taken);
+  std::printf("%s listens on 127.0.0.1:%d\n", system_.name(owner).c_str(), taken);
   return listeners_[port] = socket;
 }
 
 bool IpStack::listen(TCPEndpointListenMsg& message, Endpoint& endpoint) {
-  const int socket = listener(message.lPort);
+  const int socket = listener(message.lPort, endpoint.owner);
   message.error = TCP_ADDRESSINUSE;
   if (socket < 0) return true;
   const int accepted = ::accept4(socket, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
@@ -259,7 +259,7 @@ UDPEndpointError IpStack::do_udp(antEnvMsg& message, Endpoint& endpoint) {
     case antRequest_UdpBind: {
       const int port = bind_near(endpoint.socket, static_cast<UDPEndpointBindMsg&>(message).port);
       if (port < 0) return UDP_ADDRESSINUSE;
-      std::printf("%s takes datagrams on 127.0.0.1:%d\n", system_.name(system_.running()).c_str(),
+      std::printf("%s takes datagrams on 127.0.0.1:%d\n", system_.name(endpoint.owner).c_str(),
                   port);
       return UDP_SUCCESS;
     }

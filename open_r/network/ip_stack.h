@@ -32,6 +32,7 @@ class IpStack {
  private:
   struct Endpoint {
     int protocol = 0;
+    OID owner;  // The object that made it.
     int socket = -1;
     bool connecting = false;
   };
@@ -49,7 +50,7 @@ class IpStack {
   bool receive_bytes(Waiting& waiting, TCPEndpointReceiveMsg& message, Endpoint& endpoint);
   void close(Endpoint& endpoint, int number);
   UDPEndpointError do_udp(antEnvMsg& message, Endpoint& endpoint);
-  int listener(Port port);
+  int listener(Port port, OID owner);
 
   System& system_;
   std::vector<Endpoint> endpoints_;

@@ -15,11 +15,6 @@ extern char** environ;  // NOLINT: POSIX's name.
 namespace seam::open_r {
 namespace {
 
-// Calls of the C library that mean the memory stick or the robot's clock (robot/stick_calls.cc).
-const char* const kWrapped[] = {"fopen",  "freopen", "open",         "stat",   "opendir",
-                                "mkdir",  "rmdir",   "unlink",       "remove", "rename",
-                                "access", "time",    "gettimeofday", "clock"};
-
 bool is_c(const std::filesystem::path& source) {
   return source.extension() == ".c";
 }
@@ -74,8 +69,8 @@ std::vector<std::string> compile_command(const Toolchain& tools,
   command.push_back("-I" + object.parent_path().string());
   command.push_back("-I" + source.parent_path().string());
   command.insert(command.end(), flags.begin(), flags.end());
-  for (const std::filesystem::path& headers : tools.headers)
-    command.push_back("-isystem" + headers.string());
+  for (const char* room : {"system", "objects", "robot", "network"})
+    command.push_back("-isystem" + (tools.headers / room).string());
   for (const std::string& word :
        {std::string("-c"), source.string(), std::string("-o"), object.string()})
     command.push_back(word);
@@ -87,7 +82,8 @@ std::vector<std::string> link_command(const Toolchain& tools,
                                       const std::vector<std::string>& libraries,
                                       const std::filesystem::path& result) {
   std::vector<std::string> command{tools.cxx, "-shared", "-Wl,-Bsymbolic"};
-  for (const char* name : kWrapped) command.push_back(std::string("-Wl,--wrap=") + name);
+  // Calls of the C library that mean the memory stick or the robot's clock (robot/stick_calls.cc).
+  command.push_back("-Wl,@" + (tools.headers / "link_options").string());
   for (const std::filesystem::path& object : objects) command.push_back(object.string());
   for (const std::string& library : libraries) command.push_back("-l" + library);
   command.emplace_back("-o");
@@ -110,13 +106,20 @@ constexpr Known kKnown[] = {
     {"#error \"", "\"", "", ""},
     {"cannot find -l", ":", "the library ", ": install it, or give its folder"},
     {"error: redefinition of '", "'", "one meaning of ", kRepeated},
+    {"error: conflicting types for '", "'", "one meaning of ",
+     ": a library of this machine has that name, too; rename it"},
+    {"error: '", "' should have been declared inside '::'", "the name ",
+     ": g++ refuses '::' before a name that it has not seen; leave '::' out"},
+    {"error: need 'typename' before '", "' because", "the word typename before ", ": write it"},
+    {"declared with attribute error: ", "", "", ""},
+    {"declared with 'error' attribute: ", "", "", ""},
     {"error: '", "' was not declared", "the name ", ""},
     {"error: '", "' has not been declared", "the name ", ""},
     {"error: '", "' does not name a type", "the name ", ""},
     {" has no member named '", "'", "the member ", ""},
-    {"Error: no such instruction", "", "a MIPS processor:", ""},
-    {"Error: unknown mnemonic", "", "a MIPS processor:", ""},
-    {"Error: bad register", "", "a MIPS processor:", ""},
+    {"Error: no such instruction", "", "a MIPS processor", ""},
+    {"Error: unknown mnemonic", "", "a MIPS processor", ""},
+    {"Error: bad register", "", "a MIPS processor", ""},
 };
 
 // Compilers quote as the locale likes it.

@@ -8,8 +8,8 @@
 namespace seam::open_r {
 
 struct Toolchain {
-  std::string cxx, cc;                         // Programs, by name or path.
-  std::vector<std::filesystem::path> headers;  // OPEN-R's.
+  std::string cxx, cc;            // Programs, by name or path.
+  std::filesystem::path headers;  // The folder of OPEN-R's.
 };
 
 struct CompilerResult {

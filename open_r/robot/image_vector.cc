@@ -28,16 +28,20 @@ struct Layer {
   }
 };
 
-Layer whole_picture(const sdk::Frame& frame) {
+Layer whole_picture(const sdk::Frame& frame, const CameraSettings& settings) {
   const int width = frame.width_px / kColumnsAPiece * kColumnsAPiece;
   const int height = frame.height_px / kColumnsAPiece * kColumnsAPiece;
   const int left = (frame.width_px - width) / 2;
   Layer layer(width, height, kBands);
   for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      for (size_t band = 0; band < kBands; ++band)
-        layer.at(band, x, y) = static_cast<byte>(
-            frame.ycrcb[(static_cast<size_t>(y * frame.width_px + left + x)) * kBands + band]);
+    for (int x = 0; x < width; ++x) {
+      std::array<byte, kBands> pixel;
+      std::memcpy(pixel.data(),
+                  &frame.ycrcb[static_cast<size_t>(y * frame.width_px + left + x) * kBands],
+                  kBands);
+      if (!settings.are_default()) pixel = settings.applied(pixel);
+      for (size_t band = 0; band < kBands; ++band) layer.at(band, x, y) = pixel[band];
+    }
   return layer;
 }
 
@@ -108,9 +112,10 @@ std::array<byte, 8> counts_of(const Layer& colours) {
 
 }  // namespace
 
-RCRegion* make_image_vector(const sdk::Frame& frame, const ColourTable& table, OPrimitiveID camera,
-                            longword frame_number, word counter) {
-  Layer high = whole_picture(frame), middle = half_of(high), low = half_of(middle);
+RCRegion* make_image_vector(const sdk::Frame& frame, const CameraSettings& settings,
+                            const ColourTable& table, OPrimitiveID camera, longword frame_number,
+                            word counter) {
+  Layer high = whole_picture(frame, settings), middle = half_of(high), low = half_of(middle);
   Layer colours = detect(middle, table);
   const std::array<byte, 8> counts = counts_of(colours);
   Layer* layers[kLayers] = {&high, &middle, &low, &colours};

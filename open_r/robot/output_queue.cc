@@ -13,6 +13,11 @@ const ODataVectorInfo& header_of(const RCRegion& region) {
 
 }  // namespace
 
+OutputQueue::~OutputQueue() {
+  for (auto& [subject, items] : items_)
+    for (const Item& item : items) item.region->RemoveReference();
+}
+
 void OutputQueue::receive(const ONotifyEvent& event) {
   for (int i = 0; i < event.NumOfData(); ++i) {
     RCRegion* region = event.RCData(i);

@@ -22,6 +22,9 @@ class OutputQueue {
 
   OutputQueue(SyncKeys& keys, Duration duration, Put put)
       : keys_(keys), duration_(std::move(duration)), put_(std::move(put)) {}
+  ~OutputQueue();
+  OutputQueue(const OutputQueue&) = delete;
+  OutputQueue& operator=(const OutputQueue&) = delete;
 
   void receive(const ONotifyEvent& event);
   // Ends what is finished when this frame begins; READY goes out for each.

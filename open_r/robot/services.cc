@@ -43,6 +43,13 @@ void write_gain(const JointGain& gain, word* p, word* i, word* d, word* ps, word
   *ps = gain.p_shift, *is = gain.i_shift, *ds = gain.d_shift;
 }
 
+OStatus set_camera(OPrimitiveID id, OPrimitiveRequest request, const void* param, size_t size) {
+  if (robot().design().primitives[id].quantity != Quantity::camera) return oINVALID_REQUEST;
+  if (param == nullptr || size < sizeof(OPrimitiveControl_CameraParam)) return oINVALID_ARG;
+  const auto* setting = static_cast<const OPrimitiveControl_CameraParam*>(param);
+  return robot().camera_settings.set(request, setting->camparam) ? oSUCCESS : oINVALID_ARG;
+}
+
 template <class Vector>
 OStatus reserve(const seam::open_r::VectorLayout& layout, MemoryRegionID* id, Vector** data) {
   *id = System::current().next_region();
@@ -94,9 +101,12 @@ OStatus ControlPrimitive(OPrimitiveID id, OPrimitiveRequest request, void* param
     case oprmreqJOINT2_GET_VALUE:
       if (result == nullptr) return oINVALID_ARG;
       return GetJointValue(id, &static_cast<OPrimitiveControl_JointValue*>(result)->jval);
+    case oprmreqCAM_SET_SHUTTER_SPEED:
+    case oprmreqCAM_SET_GAIN:
+    case oprmreqCAM_SET_WHITE_BALANCE:
+      return set_camera(id, request, param, param_size);
     default:
-      // Settings of microphone, speaker and camera: the camera is that of the scenario's model.
-      return oSUCCESS;
+      return oSUCCESS;  // Settings of microphone and speaker, and the camera's automatic ones.
   }
 }
 

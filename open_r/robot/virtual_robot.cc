@@ -261,8 +261,9 @@ void VirtualRobot::send_image(const sdk::Frame& image) {
       std::find_if(design_.primitives.begin(), design_.primitives.end(),
                    [](const Primitive& p) { return p.quantity == Quantity::camera; }) -
       design_.primitives.begin());
-  RCRegion* vector = make_image_vector(image, colours_, static_cast<OPrimitiveID>(camera),
-                                       frame_number_of(image), image_counter_++);
+  RCRegion* vector =
+      make_image_vector(image, camera_settings, colours_, static_cast<OPrimitiveID>(camera),
+                        frame_number_of(image), image_counter_++);
   image_.SetData(vector);
   image_.NotifyObservers();
   vector->RemoveReference();

@@ -78,6 +78,7 @@ class VirtualRobot {
   sbyte time_difference = 0;
   OVolumeSwitch volume = ovolumeSW3;
   OSpeakerSoundType sound_type = ospksndMONO8K8B;
+  CameraSettings camera_settings;
   std::map<ODesignDataID, std::string> loaded_files;
 
  private:

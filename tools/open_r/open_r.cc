@@ -27,19 +27,17 @@ struct BuildOptions {
   bool run = false;
 };
 
-std::vector<fs::path> header_folders() {
+fs::path header_folder() {
   const fs::path installed = find_shared("open_r/include");
-  const fs::path headers =
-      installed.empty() ? fs::path(SEAM_SOURCE_DIR) / "open_r/include" : installed;
-  std::vector<fs::path> folders;
-  for (const char* room : {"system", "objects", "robot", "network"})
-    folders.push_back(headers / room);
-  return folders;
+  return installed.empty() ? fs::path(SEAM_SOURCE_DIR) / "open_r/include" : installed;
 }
 
-// Variables for Makefiles: the environment's, then those of the command line.
-std::map<std::string, std::string> given_variables(const std::vector<std::string>& given) {
-  std::map<std::string, std::string> variables;
+// Variables for Makefiles: the design's name as programs switch on it (ERS210), the environment's,
+// then those of the command line.
+std::map<std::string, std::string> given_variables(const std::vector<std::string>& given,
+                                                   std::string design) {
+  std::erase(design, '-');
+  std::map<std::string, std::string> variables{{"AIBO_MODEL", design}};
   for (const char* name : {"AIBO_MODEL", "OPENRSDK_ROOT"})
     if (const char* value = std::getenv(name); value != nullptr) variables[name] = value;
   for (const std::string& text : given) {
@@ -100,11 +98,13 @@ void build(const BuildOptions& options) {
   const fs::path out = options.out;
   open_r::BuildReport report;
   try {
-    const open_r::ProgramPlan plan =
-        open_r::plan_program(folders, options.design, given_variables(options.variables));
-    const open_r::Toolchain tools{options.compiler, "cc", header_folders()};
-    report = open_r::build_program(
-        plan, tools, out, [](const std::string& line) { std::puts(shown_lines(line).c_str()); });
+    const open_r::ProgramPlan plan = open_r::plan_program(
+        folders, options.design, given_variables(options.variables, options.design));
+    const open_r::Toolchain tools{options.compiler, "cc", header_folder()};
+    report = open_r::build_program(plan, tools, out, [](const std::string& line) {
+      std::puts(shown_lines(line).c_str());
+      std::fflush(stdout);  // Before what the end says on stderr.
+    });
   } catch (const open_r::Fault& fault) {
     throw InputError(fault.what());
   }

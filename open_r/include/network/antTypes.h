@@ -1,4 +1,4 @@
-// Names of the network's interface. Integers have the sizes that their names say.
+// Names of the network's interface.
 #ifndef SEAM_OPEN_R_ANT_TYPES_H
 #define SEAM_OPEN_R_ANT_TYPES_H
 
@@ -6,10 +6,6 @@
 
 #include <iostream>
 
-typedef int int32;
-typedef unsigned int uint32;
-typedef short int16;
-typedef unsigned short uint16;
 typedef int boolean;
 #ifndef FALSE
 #define FALSE 0

@@ -11,9 +11,17 @@
 inline void Return() {}
 inline void Exit() {}
 
+// How a region of shared memory may be used. All objects are one process: it has no effect.
+typedef longword MemoryProtectionInfo;
+const MemoryProtectionInfo MEMPROTINFO_R = 1;
+const MemoryProtectionInfo MEMPROTINFO_RW = 2;
+
 extern "C" {
 sError NewRegion(size_t size, void** base);
 sError DeleteRegion(void* base);
+sError NewSharedMemoryRegion(size_t size, MemoryProtectionInfo protection, MemoryRegionID* id,
+                             void** base);
+sError DeleteSharedMemoryRegion(MemoryRegionID id);
 sError WhoAmI(OID* oid);
 }
 

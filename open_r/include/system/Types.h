@@ -2,7 +2,13 @@
 #ifndef SEAM_OPEN_R_TYPES_H
 #define SEAM_OPEN_R_TYPES_H
 
+// Programs of that time count on these without including them.
+#include <math.h>
 #include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
 #include <sys/types.h>
 
 typedef unsigned char byte;
@@ -11,6 +17,11 @@ typedef unsigned short word;
 typedef signed short sword;
 typedef unsigned int longword;
 typedef signed int slongword;
+
+typedef int int32;
+typedef unsigned int uint32;
+typedef short int16;
+typedef unsigned short uint16;
 
 typedef longword MemoryRegionID;
 typedef unsigned int offset_t;
@@ -21,5 +32,16 @@ const Selector UNDEF = 0xffffffff;
 
 // An entry point: called with the message that it is sent.
 typedef void (*Entry)(void*);
+
+// Names that the robot's C library has for functions of POSIX.
+inline int stricmp(const char* a, const char* b) {
+  return strcasecmp(a, b);
+}
+inline int strnicmp(const char* a, const char* b, size_t most) {
+  return strncasecmp(a, b, most);
+}
+
+// A function that is declared but refused: the compiler says why where it is called.
+#define SEAM_OPEN_R_REFUSED(why) __attribute__((error(why)))
 
 #endif

@@ -4,6 +4,7 @@
 
 #include <OPENR/OPENREvent.h>
 #include <OPENR/OPENRMessages.h>
+#include <OPENR/OSyslog.h>
 
 class OObject {
  public:

@@ -2,10 +2,8 @@
 #ifndef SEAM_OPEN_R_OPENR_H
 #define SEAM_OPEN_R_OPENR_H
 
-#include <OID.h>
+#include <MCOOP.h>
 #include <OPENR/OStatus.h>
-#include <Types.h>
-#include <string.h>
 
 // ---- Entries ----
 const Selector oentryINIT = 0;

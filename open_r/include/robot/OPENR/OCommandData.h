@@ -57,36 +57,12 @@ struct OLEDCommandValue3 {
   word reserved;
 };
 
-struct OCommandInfo {
-  ODataType type;
-  OPrimitiveID primitiveID;
-  longword frameNumber;
-  size_t numFrames;
-  size_t frameSize;
-  size_t dataOffset;
-  size_t dataSize;
-  longword padding[1];
-
-  void Set(ODataType t, OPrimitiveID id, size_t frames) {
-    type = t;
-    primitiveID = id;
-    numFrames = frames;
-  }
-};
+struct OCommandInfo : SeamFrameInfo {};
 
 struct OCommandData {
   OCommandValue value[ocommandMAX_FRAMES];
 };
 
-struct OCommandVectorData {
-  ODataVectorInfo vectorInfo;
-  OCommandInfo info[1];
-
-  void SetNumData(size_t count) { vectorInfo.numData = count; }
-  OCommandInfo* GetInfo(int i) { return info + i; }
-  OCommandData* GetData(int i) {
-    return reinterpret_cast<OCommandData*>(reinterpret_cast<byte*>(this) + info[i].dataOffset);
-  }
-};
+struct OCommandVectorData : SeamFrameVector<OCommandInfo, OCommandData> {};
 
 #endif

@@ -53,4 +53,35 @@ struct ODataVectorInfo {
   byte optional[odataOPTIONAL_MAX];
 };
 
+// A block of information for each primitive that commands or sensor values are of.
+struct SeamFrameInfo {
+  ODataType type;
+  OPrimitiveID primitiveID;
+  longword frameNumber;
+  size_t numFrames;
+  size_t frameSize;
+  size_t dataOffset;
+  size_t dataSize;
+  longword padding[1];
+
+  void Set(ODataType t, OPrimitiveID id, size_t frames) {
+    type = t;
+    primitiveID = id;
+    numFrames = frames;
+  }
+};
+
+// The blocks, and behind them the frames of each.
+template <class Info, class Data>
+struct SeamFrameVector {
+  ODataVectorInfo vectorInfo;
+  Info info[1];
+
+  void SetNumData(size_t count) { vectorInfo.numData = count; }
+  Info* GetInfo(int i) { return info + i; }
+  Data* GetData(int i) {
+    return reinterpret_cast<Data*>(reinterpret_cast<byte*>(this) + info[i].dataOffset);
+  }
+};
+
 #endif

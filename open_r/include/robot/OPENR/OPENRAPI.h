@@ -6,6 +6,7 @@
 #include <OPENR/OPENR.h>
 #include <OPENR/OPower.h>
 #include <OPENR/OPrimitiveControl.h>
+#include <OPENR/OSyslog.h>
 
 namespace OPENR {
 

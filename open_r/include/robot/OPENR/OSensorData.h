@@ -43,36 +43,12 @@ struct OJointValue {
       : value(v), signal(s), pwmDuty(duty), refValue(reference), refSignal(reference_signal) {}
 };
 
-struct OSensorFrameInfo {
-  ODataType type;
-  OPrimitiveID primitiveID;
-  longword frameNumber;
-  size_t numFrames;
-  size_t frameSize;
-  size_t dataOffset;
-  size_t dataSize;
-  longword padding[1];
-
-  void Set(ODataType t, OPrimitiveID id, size_t frames) {
-    type = t;
-    primitiveID = id;
-    numFrames = frames;
-  }
-};
+struct OSensorFrameInfo : SeamFrameInfo {};
 
 struct OSensorFrameData {
   OSensorValue frame[osensorframeMAX_FRAMES];
 };
 
-struct OSensorFrameVectorData {
-  ODataVectorInfo vectorInfo;
-  OSensorFrameInfo info[1];
-
-  void SetNumData(size_t count) { vectorInfo.numData = count; }
-  OSensorFrameInfo* GetInfo(int i) { return info + i; }
-  OSensorFrameData* GetData(int i) {
-    return reinterpret_cast<OSensorFrameData*>(reinterpret_cast<byte*>(this) + info[i].dataOffset);
-  }
-};
+struct OSensorFrameVectorData : SeamFrameVector<OSensorFrameInfo, OSensorFrameData> {};
 
 #endif
