@@ -324,6 +324,8 @@ class Hostile(unittest.TestCase):
     def sets_are_made(self):
         for folder in self.sets:
             self.walk("measure", "--model", self.model, "--protocol", folder, "--out", "{out}/set")
+            self.walk("plan", "--model", self.model, "--protocol", folder, "--effects", "rolling_shutter", "--json", "{out}/p.json",
+                      "--report", "{out}/p.html")
 
     def sweeps(self):
         """Plans, and results whose plan somebody changed after they were made."""

@@ -99,6 +99,7 @@ ROOMS = {
         "search/models": ["fitting", "search"],
         "suggest": ["numerics", "problem", "fitting", "search"],
         "report": ["sets", "problem", "fitting", "infer", "search", "search/models", "suggest"],
+        "plan": ["sets", "problem", "kinds", "numerics", "fitting", "search", "report"],
         "study": ["imaging", "kinds", "search"],
     },
     "robot_sdk": {

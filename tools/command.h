@@ -30,6 +30,7 @@ namespace seam::tools {
   X(measure)             \
   X(new_effect)          \
   X(open_r)              \
+  X(plan)                \
   X(replay)              \
   X(report)              \
   X(run)                 \

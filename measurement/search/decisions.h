@@ -56,6 +56,12 @@ inline constexpr double kUnluckyLoss = -2;
 // cases (docs/evidence/studies.md, "Measured": `range_scale` came first in 190 of 200 sets with
 // kUnluckyLoss alone and in 193 with both, `walk_lag` in 193 and 197).
 inline constexpr double kUnluckyScatter = -1.3;
+// Whether held-out groups, which gain so much, agree that an effect helps: where all groups
+// together leave no doubt, they may be unlucky.
+inline bool held_out_agree(double p_value, double gain_ll, double held_z, bool at_noise) {
+  const bool beyond_doubt = at_noise && p_value < kBeyondDoubt * kCandidateAlarm;
+  return gain_ll > 0 || (beyond_doubt && (gain_ll > kUnluckyLoss || held_z > kUnluckyScatter));
+}
 // Above kMisfit a likelihood says little: held-out groups must gain by more than one standard error
 // of their scatter. A judgement.
 inline constexpr double kAgreedGain = 1;

@@ -211,15 +211,10 @@ void judge(const Problem& problem, const Grown& base, const Evaluation& here, do
   const bool agreed = left <= limit
                           ? clear || candidate.free.size() > 1 || (lost_tells && !is_known(before))
                           : falls && (plain || (clear && candidate.held_z > kAgreedGain));
-  // Held-out groups must agree. Where all groups together leave no doubt, they may be unlucky: by
-  // as much as noise makes them in one of ten cases at five standard errors, or by what their
-  // scatter does in one of ten.
-  const bool beyond_doubt = candidate.p_value < kBeyondDoubt * kCandidateAlarm && left < limit;
-  const bool held_out_agree =
-      candidate.gain_ll > 0 ||
-      (beyond_doubt && (candidate.gain_ll > kUnluckyLoss || candidate.held_z > kUnluckyScatter));
-  candidate.significant = candidate.p_value < kCandidateAlarm && agreed && held_out_agree &&
-                          problem.is_visible(before.model, after.model);
+  candidate.significant =
+      candidate.p_value < kCandidateAlarm && agreed &&
+      held_out_agree(candidate.p_value, candidate.gain_ll, candidate.held_z, left < limit) &&
+      problem.is_visible(before.model, after.model);
   // What stands for others must be worth more than any price: a lens's prism and decentring
   // together turn its axis by ten degrees, at no cost but their own size.
   if (candidate.significant && candidate.total_gain_ll < kAnyPrice * misfit && blurs(before, after))

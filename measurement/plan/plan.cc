@@ -1,0 +1,306 @@
+#include "measurement/plan/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "effects/registry.h"
+#include "measurement/fitting/parameter_space.h"
+#include "measurement/numerics/parallel_for.h"
+#include "measurement/numerics/regression.h"
+#include "sim_core/base/error.h"
+
+namespace seam::measurement {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Sizes are sought up to so many times the size tried; an effect that needs more has its bounds.
+constexpr double kMostScale = 1e4;
+
+// Parts of a plan without linear columns, in words that follow a name.
+std::string why_not_planned(const Prospect& prospect) {
+  const EffectDefinition& effect = *prospect.effect;
+  if (effect.spread_only)
+    return "it acts on the spread of errors, of which there are no normal equations: seam study";
+  if (has_counts(effect)) return "it has whole numbers, which are tried and not fitted: seam study";
+  if (!effect.has_neutral) return "it takes the place of another effect, far from it: seam study";
+  if (!prospect.companions.empty())
+    return "it comes with " + prospect.companions.front()->name +
+           ": plan with a model that has this";
+  if (prospect.starts.size() > kMostStartsOfOneValley)
+    return "its fit has several local optima: seam study";
+  return "";
+}
+
+double neutral_of(const Coordinate& c) {
+  return c.parameter->fit_reciprocal ? 0 : c.parameter->neutral;
+}
+
+// The standard error of a value, from that of its coordinate, with what its resolution adds.
+double error_of_value(const Coordinate& coordinate, double slope, double error) {
+  const double resolution = coordinate.parameter->resolution;
+  const double sigma = std::abs(slope) * error;
+  return std::isfinite(sigma) ? std::sqrt(sigma * sigma + resolution * resolution / 12) : kInfinity;
+}
+
+Weight grown(const Weight& weight, double by) {
+  return {weight.total_ll * by, weight.parameters};
+}
+
+}  // namespace
+
+double PairGains::repeats_to_part() const {
+  constexpr double kMost = 1e4;
+  const auto tied = [&](double by) { return cannot_tell(grown(truth, by), grown(other, by), 1); };
+  if (tied(kMost) || other.total_ll >= truth.total_ll) return kInfinity;
+  double low = 0, high = kMost;
+  while (high - low > 1e-3 * high) {
+    const double middle = 0.5 * (low + high);
+    (tied(middle) ? low : high) = middle;
+  }
+  return high;
+}
+
+Planner::Planner(Problem& problem, const Model& model, const PlanOptions& options)
+    : problem_(problem), options_(options) {
+  problem.prepare(model);
+  problem.check_model(model);
+  base_.assessment = assess_fixed(problem, model);
+  base_.assessment.unknowns = refitted_unknowns(model);
+  std::erase_if(base_.assessment.unknowns, [&](const Unknown& unknown) {
+    return model.find(unknown.effect)->definition->spread_only;
+  });
+  here_ = problem.evaluate(model, problem.all_groups());
+  if (here_.whitened.empty())
+    throw InputError(fmt::format(
+        "{}: sets of kind {} have no normal equations (their likelihood is of sums over images), "
+        "so no plan follows from them: use seam measure and seam diagnose, or seam study",
+        problem.facts().file, problem.facts().kind()));
+  if (!here_.valid)
+    throw InputError(
+        problem.facts().file +
+        ": the model predicts no value for some rows of this protocol: expected one for each");
+  const auto near = start_of_prospects(problem, model, &here_);
+  const EffectList absent = absent_effects(problem, model, {});
+  std::vector<std::optional<Prospect>> prospects(absent.size());
+  std::vector<std::vector<NotTestable>> reasons(absent.size());
+  parallel_for(absent.size(), [&](size_t i) {
+    prospects[i] = prospect_of(problem, base_, absent[i], reasons[i], /*alone=*/false,
+                               near ? &*near : nullptr);
+  });
+  for (size_t i = 0; i < absent.size(); ++i) {
+    looks_ += prospects[i].has_value();
+    not_testable_.insert(not_testable_.end(), reasons[i].begin(), reasons[i].end());
+    if (prospects[i]) see(*prospects[i]);
+  }
+  parallel_for(seen_.size(), [&](size_t i) {
+    Seen& seen = seen_[i];
+    if (!seen.why_not.empty()) return;
+    const Evaluation there = problem.evaluate(seen.probe, problem.all_groups(), &here_);
+    if (there.valid) seen.columns = columns_at(problem, seen.probe, seen.unknowns, there);
+    if (!there.valid || seen.columns.by.empty() || seen.columns.by.front().empty())
+      seen.why_not = "the model predicts no value for some rows with it";
+  });
+}
+
+Planner Planner::repeated(double times) const {
+  Planner more = *this;
+  more.repeats_ *= times;
+  return more;
+}
+
+void Planner::see(const Prospect& prospect) {
+  Seen seen{.effect = prospect.effect,
+            .free = prospect.free,
+            .probe = base_.assessment.model,
+            .unknowns = base_.assessment.unknowns,
+            .why_not = why_not_planned(prospect)};
+  if (seen.why_not.empty()) {
+    seen.probe.add_neutral(prospect.effect);
+    for (const size_t i : prospect.free) {
+      seen.probe.set_value(prospect.effect->name, i, prospect.starts.front()[i]);
+      seen.unknowns.push_back({prospect.effect->name, i});
+    }
+  }
+  seen_.push_back(std::move(seen));
+}
+
+const Planner::Seen& Planner::seen(const std::string& name) const {
+  const auto found = find(name);
+  if (found == nullptr || !found->why_not.empty())
+    throw InputError(fmt::format("{}: no plan for it: {}", name, why_not(name)));
+  return *found;
+}
+
+const Planner::Seen* Planner::find(const std::string& name) const {
+  const auto found = std::find_if(seen_.begin(), seen_.end(),
+                                  [&](const Seen& s) { return s.effect->name == name; });
+  return found == seen_.end() ? nullptr : &*found;
+}
+
+std::string Planner::why_not(const std::string& name) const {
+  if (const Seen* found = find(name)) return found->why_not;
+  if (base_.assessment.model.has(name)) return "the model has it already";
+  for (const NotTestable& n : not_testable_) {
+    if (n.effect == name) return n.why;
+  }
+  return "it does not act on this set beside this model";
+}
+
+std::optional<Planner::Moved> Planner::moved(const Seen& seen, size_t parameter,
+                                             double away) const {
+  const std::string& name = seen.effect->name;
+  Model truth = base_.assessment.model;
+  truth.add_neutral(seen.effect);
+  const Coordinate coordinate(truth, {name, parameter});
+  coordinate.set(truth, neutral_of(coordinate) + away);
+  const Evaluation there = problem_.evaluate(truth, problem_.all_groups(), &here_);
+  if (!there.valid) return std::nullopt;
+  const Columns columns = columns_at(problem_, truth, seen.unknowns, there);
+  Moved out{.shift = shift_of(here_, there)};
+  out.look = look_of(problem_, there, columns, out.shift, base_columns(seen), repeats_);
+  out.look.looks = looks_ * problem_.looks(base_.assessment.model, *seen.effect);
+  out.look.material = options_.material;
+  const size_t k = *index_of(seen.unknowns, {name, parameter});
+  out.sigma = error_of_value(coordinate, columns.slope[k], standard_errors(out.look)[k]);
+  return out;
+}
+
+Planner::Sized Planner::sized(const Seen& seen, size_t parameter) const {
+  const Coordinate coordinate(seen.probe, {seen.effect->name, parameter});
+  const double neutral = neutral_of(coordinate);
+  const double least = coordinate.min - neutral, most = coordinate.max - neutral;
+  double away = coordinate.of(seen.probe) - neutral;
+  if (away == 0) away = most > 0 ? 0.05 * coordinate.scale : -0.05 * coordinate.scale;
+  Sized out{.parameter = {.name = coordinate.parameter->name, .sigma = kInfinity}};
+  // What an effect moves grows with its size, or with a power of it; a step follows that power.
+  double power = 1, last_away = 0, last_scale = 0;
+  constexpr int kMostSteps = 6;
+  constexpr double kGoodTo = 0.02;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const auto there = moved(seen, parameter, away);
+    if (!there) return out;
+    out.parameter.sigma = there->sigma;
+    const double scale = Detection(there->look).scale_found(kMostScale);
+    if (!std::isfinite(scale)) return out;
+    if (std::abs(scale - 1) < kGoodTo || step + 1 == kMostSteps) {
+      out.shift = there->shift, out.gain = gain_of(there->look.whole(), base_columns(seen));
+      out.parameter.smallest_found =
+          std::abs(coordinate.to_value(neutral + away) -
+                   (coordinate.parameter->fit_reciprocal ? 0 : coordinate.parameter->neutral));
+      return out;
+    }
+    if (last_away != 0 && away != last_away)
+      power = std::clamp(-std::log(scale / last_scale) / std::log(away / last_away), 0.5, 4.0);
+    last_away = away, last_scale = scale;
+    const double wished = away * std::pow(scale, 1 / power);
+    away = std::clamp(wished, least, most);
+    if (away == last_away) return out;  // At a bound, where it is not found.
+  }
+  return out;
+}
+
+double Planner::gain_beside(const Seen& other, const std::vector<double>& shift) const {
+  const EffectLook look =
+      look_of(problem_, here_, other.columns, shift, base_columns(other), repeats_);
+  return gain_of(look.whole(), base_columns(other));
+}
+
+std::vector<PlannedTie> Planner::ties_of(const Seen& seen, const Sized& sized) const {
+  std::vector<PlannedTie> ties;
+  if (sized.shift.empty()) return ties;
+  PairGains pair{.truth = {sized.gain, seen.free.size()}, .other = {}};
+  for (const Seen& other : seen_) {
+    if (&other == &seen || !other.why_not.empty()) continue;
+    pair.other = {gain_beside(other, sized.shift), other.free.size()};
+    const double p_value =
+        chi2_tail(2 * pair.other.total_ll, static_cast<double>(other.free.size())) * looks_;
+    if (p_value >= kCandidateAlarm || !cannot_tell(pair.truth, pair.other, 1)) continue;
+    PlannedTie tie{.effect = other.effect->name};
+    // Gains grow with the square of a size, and with the number of sets.
+    const double repeats = pair.repeats_to_part();
+    if (std::isfinite(repeats))
+      tie.apart_from = *sized.parameter.smallest_found * std::sqrt(std::max(1.0, repeats));
+    ties.push_back(std::move(tie));
+  }
+  return ties;
+}
+
+PairGains Planner::gains(const std::string& effect, double size, const std::string& other) const {
+  const Seen& true_one = seen(effect);
+  const Seen& other_one = seen(other);
+  const size_t parameter = true_one.free.front();
+  const Coordinate coordinate(true_one.probe, {effect, parameter});
+  const double neutral = neutral_of(coordinate);
+  const bool up = coordinate.of(true_one.probe) >= neutral;
+  const double to = coordinate.parameter->fit_reciprocal ? 1 / size : (up ? size : -size);
+  const auto there = moved(true_one, parameter, to);
+  if (!there) return {};
+  return {.truth = {gain_of(there->look.whole(), base_columns(true_one)), true_one.free.size()},
+          .other = {gain_beside(other_one, there->shift), other_one.free.size()}};
+}
+
+PlannedEffect Planner::of_model(const std::string& effect) const {
+  PlannedEffect out{.effect = effect, .in_model = true};
+  const Model& model = base_.assessment.model;
+  const std::vector<Unknown>& unknowns = base_.assessment.unknowns;
+  const Columns columns = columns_at(problem_, model, unknowns, here_);
+  const std::vector<double> none(here_.whitened.size(), 0);
+  const std::vector<double> errors =
+      standard_errors(look_of(problem_, here_, columns, none, unknowns.size(), repeats_));
+  for (size_t k = 0; k < unknowns.size(); ++k) {
+    if (unknowns[k].effect != effect) continue;
+    const Coordinate coordinate(model, unknowns[k]);
+    out.parameters.push_back({.name = coordinate.parameter->name,
+                              .sigma = error_of_value(coordinate, columns.slope[k], errors[k])});
+  }
+  return out;
+}
+
+Plan Planner::plan() const {
+  Plan plan{
+      .residuals = count_used(problem_), .groups = problem_.facts().groups.size(), .looks = looks_};
+  const std::vector<std::string>& asked = options_.effects;
+  const auto wanted = [&](const std::string& name) {
+    return asked.empty() || std::find(asked.begin(), asked.end(), name) != asked.end();
+  };
+  for (const effects::ModelEffect& effect : base_.assessment.model.effects()) {
+    if (!wanted(effect.definition->name)) continue;
+    PlannedEffect own = of_model(effect.definition->name);
+    if (!own.parameters.empty() || !asked.empty()) plan.effects.push_back(std::move(own));
+  }
+  std::vector<const Seen*> planned;
+  for (const Seen& one : seen_) {
+    if (!wanted(one.effect->name)) continue;
+    if (one.why_not.empty()) {
+      planned.push_back(&one);
+    } else {
+      plan.not_planned.push_back({one.effect->name, "", one.why_not});
+    }
+  }
+  for (const NotTestable& n : not_testable_) {
+    if (wanted(n.effect)) plan.not_planned.push_back(n);
+  }
+  for (const std::string& name : asked) {
+    const bool told = std::any_of(plan.not_planned.begin(), plan.not_planned.end(),
+                                  [&](const NotTestable& n) { return n.effect == name; });
+    if (!told && find(name) == nullptr && !base_.assessment.model.has(name))
+      plan.not_planned.push_back({name, "", why_not(name)});
+  }
+  const size_t first = plan.effects.size();
+  plan.effects.resize(first + planned.size());
+  parallel_for(planned.size(), [&](size_t i) {
+    PlannedEffect& out = plan.effects[first + i];
+    out.effect = planned[i]->effect->name;
+    std::optional<Sized> at;
+    for (const size_t parameter : planned[i]->free) {
+      Sized sized = this->sized(*planned[i], parameter);
+      out.parameters.push_back(sized.parameter);
+      if (!at && !sized.shift.empty()) at = std::move(sized);
+    }
+    if (at) out.ties = ties_of(*planned[i], *at);
+  });
+  return plan;
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""`seam plan`, and what then is measured: plan_test.py SEAM SOURCE_DIR [unittest arguments]."""
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import by_hand
+
+SEAM, SOURCE = by_hand.arguments("seam", "source")
+TUTORIAL = SOURCE / "docs/tutorial"
+NOMINAL = TUTORIAL / "nominal.yaml"
+
+
+def seam(*arguments):
+    done = subprocess.run([SEAM, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300)
+    return done.returncode, done.stdout + done.stderr
+
+
+class Plan(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = tempfile.TemporaryDirectory()
+        cls.folder = pathlib.Path(cls.scratch.name)
+        cls.room = cls.folder / "room"
+        shutil.copytree(TUTORIAL / "room", cls.room)
+        lines = (cls.room / "points.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+        (cls.room / "points.csv").write_text("".join(lines[:1 + len(lines) // 3]), encoding="utf-8")
+        cls.plan, cls.text = cls.planned("--effects", "frame_latency,rolling_shutter", "--report", cls.folder / "plan.html")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.scratch.cleanup()
+
+    @classmethod
+    def planned(cls, *more):
+        path = cls.folder / "plan.json"
+        code, text = seam("plan", "--model", NOMINAL, "--protocol", cls.room, "--json", path, *more)
+        assert code == 0, text
+        return json.loads(path.read_text(encoding="utf-8")), text
+
+    def effect(self, name, plan=None):
+        return next(e for e in (plan or self.plan)["effects"] if e["effect"] == name)
+
+    def made(self, line_delay_s, seed):
+        truth, data = self.folder / "truth.yaml", self.folder / "made"
+        text = NOMINAL.read_text(encoding="utf-8")
+        self.assertIn("effects:\n", text)
+        truth.write_text(text.replace("effects:\n", f"effects:\n  rolling_shutter: {{line_delay_s: {line_delay_s!r}}}\n"), encoding="utf-8")
+        code, said = seam("measure", "--model", truth, "--protocol", self.room, "--seed", seed, "--out", data, "--force")
+        self.assertEqual(code, 0, said)
+        return data
+
+    def test_what_is_planned_comes_out(self):
+        planned = self.effect("rolling_shutter")
+        size = planned["smallest_found"]["line_delay_s"]
+        sigma = planned["parameters"]["line_delay_s"]["sigma"]
+        self.assertTrue(4 < size / sigma < 8, (size, sigma))
+        found = self.folder / "added.json"
+        code, text = seam("add", "rolling_shutter", "--model", NOMINAL, "--data", self.made(size, 1), "--out", self.folder / "m.yaml",
+                          "--json", found)
+        self.assertEqual(code, 0, text)
+        fitted = json.loads(found.read_text(encoding="utf-8"))["parameters"]["line_delay_s"]
+        self.assertAlmostEqual(fitted["sigma"] / sigma, 1, delta=0.08)  # Its misfit is one set's.
+        self.assertLess(abs(fitted["value"] - size), 4 * sigma)
+
+        def first(data):
+            result = self.folder / "diagnosed.json"
+            code, text = seam("diagnose", "--model", NOMINAL, "--data", data, "--json", result)
+            self.assertEqual(code, 0, text)
+            best = [c for c in json.loads(result.read_text(encoding="utf-8"))["candidates"] if c["significant"]][:1]
+            return bool(best) and "rolling_shutter" in [best[0]["effect"], *best[0]["indistinguishable_from"]]
+
+        self.assertEqual([first(self.made(1.4 * size, seed)) for seed in (2, 3)], [True, True])
+        self.assertEqual([first(self.made(0.3 * size, seed)) for seed in (2, 3)], [False, False])
+
+    def test_more_and_faster(self):
+        changes = {c["change"]: c for c in self.plan["changes"]}
+        self.assertEqual(list(changes), ["twice as many frames", "four times as many frames", "the same motion twice as fast"])
+        now = self.effect("rolling_shutter")
+        more, fast = (self.effect("rolling_shutter", changes[name]) for name in ("four times as many frames", "the same motion twice as fast"))
+        self.assertAlmostEqual(more["parameters"]["line_delay_s"]["sigma"] / now["parameters"]["line_delay_s"]["sigma"], 0.5, places=3)
+        # Rows are moved by the rate of the head.
+        self.assertAlmostEqual(fast["parameters"]["line_delay_s"]["sigma"] / now["parameters"]["line_delay_s"]["sigma"], 0.5, delta=0.03)
+        self.assertLess(fast["smallest_found"]["line_delay_s"], 0.6 * now["smallest_found"]["line_delay_s"])
+
+    def test_text_and_page(self):
+        self.assertIn(self.plan["headline"], self.text)
+        self.assertIn("four times as many frames", self.text)
+        page = (self.folder / "plan.html").read_text(encoding="utf-8")
+        self.assertIn("seam-plan/1", page)
+        self.assertIn("rolling_shutter", page)
+
+    def test_a_pair(self):
+        plan, text = self.planned("--improve", "rolling_shutter,frame_latency")
+        improved = plan["improve"]
+        self.assertEqual((improved["effect"], improved["other"]), ("rolling_shutter", "frame_latency"))
+        costs = [p["cost"] for p in improved["proposals"]]
+        self.assertEqual(costs, sorted(costs))
+        self.assertTrue(costs, text)
+
+    def test_all_effects(self):
+        plan, text = self.planned()
+        names = [e["effect"] for e in plan["effects"]]
+        self.assertIn("frame_latency", names)
+        self.assertGreater(plan["looks"], 10)
+        self.assertEqual(plan["changes"], [])
+        why = {n["effect"]: n["why"] for n in plan["not_planned"]}
+        self.assertIn("no normal equations", " ".join(why.values()), text)
+        self.assertEqual(self.effect("rolling_shutter", plan)["smallest_found"], self.effect("rolling_shutter")["smallest_found"])
+
+    def test_what_is_wrong_is_told(self):
+        def refused(code, said, *arguments):
+            given = seam("plan", "--model", NOMINAL, *arguments)
+            self.assertEqual((given[0], said in given[1]), (code, True), given[1])
+
+        refused(2, "did you mean 'rolling_shutter'", "--protocol", self.room, "--effects", "rolling_shuter")
+        refused(2, "expected two", "--protocol", self.room, "--improve", "rolling_shutter")
+        refused(1, "nowhere", "--protocol", self.folder / "nowhere")
+        refused(2, "--protocol", "--effects", "rolling_shutter")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
