@@ -2,12 +2,12 @@
 """Table 1 of the founding paper by an OPEN-R program (open_r/examples/localization), with and without the lock that a
 robot has and the simulator of 2004 had not: images each fifth joint frame of 8 ms.
 
-  scripts/open_r_table.py SEAM STICK [--seeds N] [--parallel N] [--runs FILE] [--csv FILE]
+  scripts/open_r_table.py SEAM STICK [--seeds N] [--parallel N] [--runs FILE] [--csv FILE] [--quick]
 
 STICK is the program's memory stick, as its CMakeLists.txt makes it. `shared` puts each image at a joint frame: camera and
 joints have one clock. `own` lets the camera's clock be 0.127 % slow and begin anywhere, so that its images slip through the
 8 ms about five times in 30 s. Both see the same poses, seeds and noise. --runs keeps what is done (JSON, one line a run) and
-goes on from there; --csv writes the table for scripts/evidence.py.
+goes on from there; --csv writes the table for scripts/evidence.py. --quick: two poses, 1 s each.
 """
 import argparse
 import concurrent.futures
@@ -29,16 +29,16 @@ MODES = {"shared": "One clock: an image each fifth joint frame", "own": "The cam
 FOUND = re.compile(r"Localizer: at (\S+) (\S+) (\S+) from (\S+) (\S+) (\S+) to (\S+) (\S+) (\S+)")
 
 
-def scenario(stick):
+def scenario(stick, duration_s):
     models = ROOT / "models"
-    return (f"format: seam-scenario/1\nname: open_r_localization\nduration_s: 30\nseed: 1\nfield: {models}/field_2002.yaml\n"
+    return (f"format: seam-scenario/1\nname: open_r_localization\nduration_s: {duration_s}\nseed: 1\nfield: {models}/field_2002.yaml\n"
             f"ball: {{present: false}}\nrobots:\n  - id: red1\n    team: red\n    pose: {{x_m: 1, y_m: 0.5, theta_rad: 0}}\n"
             f"    body: {models}/robot_ers210.yaml\n    camera: {{model: {models}/ers210.yaml, clock: {{period_s: 0.04}}}}\n"
             f"    behaviour: {{command: [open_r, {stick.resolve()}], clock: {{period_s: {FRAME_S}}}}}\n")
 
 
-def make_run(seam, stick, mode, pose, seed):
-    """The estimate after 30 s, and the interval of the samples."""
+def make_run(seam, stick, duration_s, mode, pose, seed):
+    """The estimate at the end, and the interval of the samples."""
     chance = random.Random(f"{pose} {seed}")
     phase_s = FRAME_S * chance.randrange(5) if mode == "shared" else 5 * FRAME_S * chance.random()
     drift_ppm = 0 if mode == "shared" else SLOW_PPM
@@ -46,7 +46,7 @@ def make_run(seam, stick, mode, pose, seed):
     changes |= {f"robots[0].pose.{name}": value for name, value in zip(("x_m", "y_m", "theta_rad"), pose)}
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "run.yaml"
-        path.write_text(scenario(stick))
+        path.write_text(scenario(stick, duration_s))
         words = [word for name, value in changes.items() for word in ("--set", f"{name}={value}")]
         done = subprocess.run([seam, "run", path, *words], capture_output=True, text=True)
     found = FOUND.search(done.stdout + done.stderr)
@@ -86,16 +86,18 @@ def main():
     parser.add_argument("--parallel", type=int, default=1)
     parser.add_argument("--runs", type=pathlib.Path)
     parser.add_argument("--csv", type=pathlib.Path)
+    parser.add_argument("--quick", action="store_true")
     options = parser.parse_args()
+    poses, duration_s = (POSES[:2], 1) if options.quick else (POSES, 30)
     done = {}
     if options.runs and options.runs.exists():
         for line in options.runs.read_text().splitlines():
             run = json.loads(line)
             done[run["mode"], tuple(run["pose"]), run["seed"]] = run
-    wanted = [(mode, pose, seed) for seed in range(1, options.seeds + 1) for pose in POSES for mode in MODES]
+    wanted = [(mode, pose, seed) for seed in range(1, options.seeds + 1) for pose in poses for mode in MODES]
     with concurrent.futures.ThreadPoolExecutor(options.parallel) as pool:
         missing = [key for key in wanted if key not in done]
-        for key, run in zip(missing, pool.map(lambda key: make_run(options.seam, options.stick, *key), missing)):
+        for key, run in zip(missing, pool.map(lambda key: make_run(options.seam, options.stick, duration_s, *key), missing)):
             done[key] = run
             if options.runs:
                 with options.runs.open("a") as file:
@@ -106,10 +108,10 @@ def main():
         rows.append([title, *cells])
     # Seeds of a pose are no experiments of their own: what a place is like, they share.
     each = [a - b for a, b in zip(far["shared"], far["own"])]
-    differences = [statistics.fmean(each[i::len(POSES)]) for i in range(len(POSES))]
+    differences = [statistics.fmean(each[i::len(poses)]) for i in range(len(poses))]
     error = 1.96 * statistics.stdev(differences) / math.sqrt(len(differences))
     rows.append(["Paired difference of the distance to the truth, shared less own", "", "", "",
-                 f"{statistics.fmean(differences):+.1f} ± {error:.1f} mm (95 %, {len(POSES)} poses)"])
+                 f"{statistics.fmean(differences):+.1f} ± {error:.1f} mm (95 %, {len(poses)} poses)"])
     for row in rows:
         print(" | ".join(row))
     if options.csv:

@@ -175,6 +175,8 @@ def check_open_r(prefix, folder):
     for stick, said in (("build/MS", "Localizer: at "), ("build/head/MS", "SwingHead: swung for")):
         path.write_text(scenario(models, f"open_r, {project / stick}]").replace("]]", "], clock: {period_s: 0.008}"))
         assert said in run(seam, "run", path, cwd=folder)
+    said = run(PYTHON, SOURCE / "scripts/open_r_table.py", seam, project / "build/MS", "--quick", cwd=folder)
+    assert re.search(r"Paired difference.* [-+]\d+\.\d ± \d+\.\d mm \(95 %, 2 poses\)", said), said
     (project / "head/CMakeLists.txt").write_text("open_r_add_object(swing FILE swing.so SOURCES a.cc)\n")
     assert "expected the name in OBJECT.CFG" in run("cmake", project / "build", code=1)
     run(seam, "open-r", "build", examples / "moving_head", "--compiler", CXX, "--out", folder / "head", "--log",
