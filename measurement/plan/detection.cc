@@ -8,6 +8,7 @@
 #include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/regression.h"
 #include "measurement/search/judge.h"
+#include "measurement/search/material.h"
 #include "sim_core/base/random.h"
 
 namespace seam::measurement {
@@ -157,6 +158,13 @@ Detection::Draw Detection::drawn(uint64_t number) const {
     draw.moved2.push_back({change.slope.dot(movement * change.slope),
                            2 * change.slope.dot(movement * change.noise),
                            change.noise.dot(movement * change.noise)});
+  if (look_.residuals > 0) {
+    // What is left scatters about the noise; where it is more, a likelihood ratio is worth less.
+    const double scatter = normal(kNoise.child(number).child("left"), 0);
+    const double left2 = std::max(0.0, 1 + std::sqrt(2 / look_.residuals) * scatter);
+    const double excess = std::sqrt(left2) * kMisfit / limit_at_noise(look_.residuals);
+    draw.misfit = std::max(1.0, excess * excess);
+  }
   if (own_ == 1) {
     const Index last = columns - 1;
     const double sigma = std::sqrt(of_fitted_.with(last, last));
@@ -174,7 +182,8 @@ bool Detection::is_found(const Draw& draw, double scale) const {
   }
   // Where each group is left out in turn, all are fitted together, too.
   const double total = draw.trained.at(scale) + (look_.in_turn() ? 0 : held);
-  const double p_value = chi2_tail(2 * total, static_cast<double>(own_)) * look_.looks;
+  const double p_value =
+      chi2_tail(2 * total / draw.misfit, static_cast<double>(own_)) * look_.looks;
   if (p_value >= kCandidateAlarm || (blurs_ && total < kAnyPrice)) return false;
   if (own_ == 1 && std::abs(draw.value + scale * draw.per_scale) <= kClearlyAway) return false;
   if (!held_out_agree(p_value, held, gain_over_scatter(before, after), /*at_noise=*/true))

@@ -22,8 +22,9 @@ struct EffectLook {
   PartInformation trained;
   // By channel the held-out J'J over their number of residuals: how far predictions move.
   std::vector<Eigen::MatrixXd> movement;
-  double looks = 1;     // Looks at the whole catalogue, for the correction of p-values.
-  double material = 0;  // The least change of predictions that counts, in noise units.
+  double residuals = 0;  // Held out; 0: so many that their error is 1.
+  double looks = 1;      // Looks at the whole catalogue, for the correction of p-values.
+  double material = 0;   // The least change of predictions that counts, in noise units.
 
   bool in_turn() const { return trained.information.size() == 0; }
   size_t columns() const { return static_cast<size_t>(held.front().information.rows()); }
@@ -53,6 +54,7 @@ class Detection {
     std::vector<Quadratic> held;  // By held-out group.
     std::vector<Quadratic> moved2;
     double value = 0, per_scale = 0;  // Of the only parameter, in its standard errors.
+    double misfit = 1;                // By which likelihood ratios are worth less.
   };
   // From scores to estimates, with the effect and without it.
   struct Estimators {

@@ -80,6 +80,7 @@ EffectLook look_of(const Problem& problem, const Evaluation& here, const Columns
     if (parts.trained[parts.of_scalar[i]]) continue;
     look.movement[facts.channel_of[i]] += row * row.transpose();
     ++moved[facts.channel_of[i]];
+    look.residuals += repeats;
   }
   for (size_t c = 0; c < moved.size(); ++c)
     if (moved[c] > 0) look.movement[c] /= moved[c];

@@ -88,6 +88,11 @@ TEST(Plan, TheSmallestSizeFollowsFromTheFalseAlarmRate) {
   double needed = 3;
   while (chi2_tail(needed * needed, 1) * 40 > kBeyondDoubt * kCandidateAlarm) needed += 1e-4;
   EXPECT_NEAR(Detection(look).scale_found(100), needed + 1.645, 0.12);
+  // Where what is left may be more than the noise by chance, ratios are worth less.
+  EffectLook few = look;
+  few.residuals = 200;
+  EXPECT_GT(Detection(few).scale_found(100), 1.005 * Detection(look).scale_found(100));
+  EXPECT_LT(Detection(few).scale_found(100), 1.1 * Detection(look).scale_found(100));
   EffectLook wide = look;
   wide.movement = {Eigen::MatrixXd::Constant(1, 1, 1e-6)};
   wide.material = 0.1;  // Predictions move by 1e-3 of the size.
