@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# build.sh OUT STAMP: builds both pages into OUT and touches STAMP. Where npm or its registry is out of
+# build.sh OUT STAMP: builds the pages into OUT and touches STAMP. Where npm or its registry is out of
 # reach this says so and succeeds: the commands then write plain tables, and `seam view` says what is
 # missing. The next build tries again.
 set -uo pipefail
@@ -7,7 +7,7 @@ cd "$(dirname "$0")"
 out=$1
 stamp=$2
 without() {
-  echo "web: $1; built without the report page and the viewer" >&2
+  echo "web: $1; built without the report page, the viewer and the workbench" >&2
   exit 0
 }
 command -v npm >/dev/null || without "npm is not installed"
@@ -23,10 +23,11 @@ if ! cmp -s package-lock.json node_modules/.installed-lock; then
   cp package-lock.json node_modules/.installed-lock
 fi
 rm -f "$stamp"
-for page in report viewer; do
+for page in report viewer workbench; do
   SEAM_WEB_OUT=$out npx --no-install vite build --mode "$page" --logLevel warn >"$log" 2>&1 ||
     { cat "$log" >&2; exit 1; }
 done
 mkdir -p "$out/viewer"
 mv "$out/viewer.html" "$out/viewer/index.html"  # Where `seam view` looks (docs/reference/viewer_api.md).
+mv "$out/workbench/workbench.html" "$out/workbench/index.html"
 touch "$stamp"

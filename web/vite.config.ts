@@ -1,17 +1,25 @@
-// Two pages, each one file without outside references: `vite build --mode report|viewer`.
-import { defineConfig } from "vite";
+// The pages: `vite build --mode report|viewer` makes one file without outside references; `--mode workbench` makes a folder,
+// whose scripts are files of their own: its server allows no other scripts.
+import { defineConfig, type UserConfig } from "vite";
 import { viteSingleFile } from "vite-plugin-singlefile";
 
-export default defineConfig(({ mode }) => ({
-  base: "./",
-  esbuild: { jsx: "automatic", jsxImportSource: "preact" },
-  build: {
-    target: "es2022",
-    outDir: process.env.SEAM_WEB_OUT ?? "dist",
-    emptyOutDir: false,
-    reportCompressedSize: false,
-    assetsInlineLimit: 1_000_000,
-    rollupOptions: { input: `${mode}.html` },
-  },
-  plugins: [viteSingleFile({ removeViteModuleLoader: true })],
-}));
+const out = process.env.SEAM_WEB_OUT ?? "dist";
+
+export default defineConfig(({ mode }): UserConfig => {
+  const folder = mode === "workbench";
+  return {
+    base: "./",
+    esbuild: { jsx: "automatic", jsxImportSource: "preact" },
+    build: {
+      target: "es2022",
+      outDir: folder ? `${out}/workbench` : out,
+      emptyOutDir: folder,
+      reportCompressedSize: false,
+      assetsInlineLimit: folder ? 0 : 1_000_000,
+      modulePreload: { polyfill: false },
+      chunkSizeWarningLimit: 2000,
+      rollupOptions: { input: `${mode}.html` },
+    },
+    plugins: folder ? [] : [viteSingleFile({ removeViteModuleLoader: true })],
+  };
+});

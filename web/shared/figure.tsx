@@ -85,10 +85,19 @@ interface Shown {
   size: [number, number];
 }
 
+/** The plot as a whole is a picture with a name; its groups of marks have none for those who listen. */
+export function nameMarks(plot: Element, name: string): void {
+  plot.querySelectorAll("[aria-label]").forEach((mark) => {
+    mark.setAttribute("data-mark", mark.getAttribute("aria-label")!);
+    mark.removeAttribute("aria-label");
+  });
+  plot.setAttribute("role", "img");
+  plot.setAttribute("aria-label", name);
+}
+
 function drawInto(element: HTMLElement, width: number, props: FigureProps): Shown {
   const plot = Plot.plot({ width, ...props.draw(width), style: style() }) as Drawn;
-  plot.setAttribute("role", "img");
-  plot.setAttribute("aria-label", props.name);
+  nameMarks(plot, props.name);
   const frame = frameOf(plot);
   const box = plot instanceof SVGSVGElement ? plot.viewBox.baseVal : { width, height: 0 };
   if (frame && plot instanceof SVGSVGElement && (props.onBrush || props.onPick)) {

@@ -104,9 +104,9 @@ async function checkMeaning(browser) {
   assert.match(await plot("residual u_px against row*pan_rate mean").locator("svg").innerHTML(), /\(px rad\/s\)/);
   // Nothing lies between the signs: no line joins their means.
   const signs = plot("residual u_px against sign(pan_rate) mean");
-  assert.equal(await signs.locator("[aria-label=line] path, [aria-label=area] path").count(), 0);
+  assert.equal(await signs.locator("[data-mark=line] path, [data-mark=area] path").count(), 0);
   // A map of last digits is not in full colour.
-  const fills = await plot("lens Standard error").locator("[aria-label=rect] rect").evaluateAll(
+  const fills = await plot("lens Standard error").locator("[data-mark=rect] rect").evaluateAll(
     (cells) => new Set(cells.map((cell) => cell.getAttribute("fill"))).size);
   assert.equal(fills, 1);
   assert.match(await caption("lens Standard error"), /below 0\.001 px everywhere/);
@@ -114,8 +114,8 @@ async function checkMeaning(browser) {
   const worth = plot("leave one effect out");
   assert.match(await caption("leave one effect out"), /rolling shutter is worth most\. Worth nothing .*: frame latency\./);
   const inside = await worth.locator("svg").evaluate((svg) => {
-    const bars = [...svg.querySelectorAll("[aria-label=bar] rect")].map((bar) => bar.getBoundingClientRect());
-    return [...svg.querySelectorAll("[aria-label=text] text")].map((text) => text.getBoundingClientRect())
+    const bars = [...svg.querySelectorAll("[data-mark=bar] rect")].map((bar) => bar.getBoundingClientRect());
+    return [...svg.querySelectorAll("[data-mark=text] text")].map((text) => text.getBoundingClientRect())
       .filter((text) => bars.some((bar) => text.left < bar.right - 1 && text.right > bar.left + 1
         && text.top < bar.bottom && text.bottom > bar.top)).length;
   });

@@ -1,0 +1,251 @@
+// The workbench, driven as a person would, against a made session: preview, add, undo, branch, formula, leave out with a reason,
+// reload; with the mouse, on a narrow page, and by the keyboard alone. Each screen is looked at light and dark, wide and narrow.
+// `workbench.test.mjs SHARE`.
+import assert from "node:assert/strict";
+import { existsSync, readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { join } from "node:path";
+import { faintTexts, launch, openPage, skip } from "./browser.mjs";
+import { MockSession, serve } from "./mock_workbench.mjs";
+
+const share = process.argv[2];
+if (!existsSync(join(share, "workbench/index.html"))) skip(`${share}/workbench was not built`);
+const shots = process.env.SEAM_SCREENSHOTS;
+const screens = ["Data", "Work", "Formula", "Plan", "Session"];
+const wide = { width: 1280, height: 800 }, narrow = { width: 390, height: 844 };
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+
+async function opened(browser, server, size, colorScheme = "light") {
+  const { page, errors } = await openPage(browser, size);
+  await page.emulateMedia({ colorScheme, reducedMotion: "reduce" });
+  await page.goto(server.url);
+  await page.locator('[data-plot="residual against covariate"] [data-drawn=true]').waitFor();
+  await page.locator("[role=option]").first().waitFor({ state: "attached" });
+  return { page, errors };
+}
+
+const toScreen = (page, name) => page.getByRole("navigation").getByRole("button", { name, exact: true }).click();
+const headline = (page) => page.locator(".head .headline").innerText();
+const error = async (page) => Number(await page.locator(".figure-of-merit b").first().innerText());
+const option = (page, name) => page.locator(`#candidate-${name}`);
+const bandOf = (page) => page.locator(".figures").getAttribute("data-preview");
+
+/** No faint text, nothing wider than the window, no finding of axe. */
+async function fits(page, what, colorScheme) {
+  const over = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  assert.ok(over <= 0, `${what}: ${over} px wider than the window`);
+  assert.deepEqual(await page.evaluate(faintTexts), [], `${what}: faint texts, ${colorScheme}`);
+  const found = await page.evaluate(`(() => { ${axe}; return axe.run({ runOnly: ["wcag2a", "wcag2aa", "wcag21aa"] }); })()`);
+  assert.deepEqual(found.violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.html.slice(0, 90)).join(" | ")}`), [], what);
+}
+
+async function lookAtScreens(browser, size, colorScheme) {
+  const server = await serve(share);
+  const { page, errors } = await opened(browser, server, size, colorScheme);
+  for (const name of [...screens, "Open"]) {
+    if (name === "Open") await page.locator(".brand").click();
+    else await toScreen(page, name);
+    if (name === "Session") await page.locator("pre.script").waitFor();
+    if (name === "Formula") await page.locator(".cm-content").waitFor();
+    await page.waitForTimeout(150);
+    await fits(page, `${name}, ${size.width} px`, colorScheme);
+    if (shots) await page.screenshot({ path: join(shots, `workbench_${name}_${size.width}_${colorScheme}.png`) });
+  }
+  assert.equal(await page.locator("img").count(), 0, "a set's title is text");
+  assert.deepEqual(errors, [], "console");
+  await page.close();
+  server.close();
+}
+
+async function previewAddUndo(page, server) {
+  assert.match(await headline(page), /rolling_shutter is missing/);
+  assert.equal(await page.getByLabel("Covariate", { exact: true }).inputValue(), "row*pan_rate", "the strongest structure is chosen first");
+  const before = await error(page);
+  await option(page, "rolling_shutter").hover();
+  await page.locator(".context.previewing[data-how=linear]").waitFor();
+  assert.match(await bandOf(page), /rolling_shutter/);
+  assert.ok(Number(await page.locator(".error-line").getAttribute("data-ghost")) < 1.1, "the error's line has a ghost point");
+  await page.keyboard.press("Escape");
+  await page.locator(".context:not(.previewing)").waitFor();
+  assert.equal(await bandOf(page), "", "Escape restores");
+  await page.mouse.move(700, 20);
+  await option(page, "rolling_shutter").click();
+  await page.locator(".context.previewing").getByRole("button", { name: /Add/ }).click();
+  await page.waitForFunction(() => document.querySelector(".headline")?.textContent.startsWith("Adequate"));
+  assert.ok(await error(page) < 1.1);
+  assert.match(await page.locator(".command code").innerText(), /^seam add rolling_shutter /);
+  await page.keyboard.press("Control+z");
+  await page.waitForFunction((was) => Number(document.querySelector(".figure-of-merit b").textContent) > was - 0.01, before);
+  await page.getByRole("button", { name: "Redo" }).click();
+  await page.waitForFunction(() => document.querySelector(".headline")?.textContent.startsWith("Adequate"));
+  await page.getByRole("button", { name: "Undo" }).click();
+  await page.waitForFunction(() => !document.querySelector(".headline")?.textContent.startsWith("Adequate"));
+  // Acting from an older version branches.
+  await option(page, "frame_latency").click();
+  await page.locator(".context.previewing").getByRole("button", { name: /Add/ }).click();
+  await page.waitForFunction(() => document.querySelector(".command code").textContent.includes("frame_latency"));
+  assert.deepEqual(server.session.versions.map((one) => one.parent), [null, "1", "1"]);
+}
+
+/** Ties stand in a bracket with what separates them, untestable ones with the reason. */
+async function ties(page) {
+  const tie = page.getByRole("group", { name: "Not separated by these data" });
+  assert.equal(await tie.getByRole("option").count(), 2);
+  assert.match(await tie.innerText(), /Swing the head at two more rates/);
+  await page.getByText("1 not testable with these data").click();
+  assert.match(await page.locator(".untestable").innerText(), /the recording lasts 8 s only/);
+}
+
+async function chooseAndLeaveOut(page, server) {
+  const plot = page.locator('[data-plot="residual against covariate"] svg');
+  // A plot is drawn anew when the rows of another version come.
+  await page.waitForTimeout(500);
+  await page.evaluate(() => scrollTo(0, 0));
+  await plot.waitFor();
+  const box = await plot.boundingBox();
+  await page.mouse.move(box.x + box.width * 0.4, box.y + box.height * 0.2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width * 0.8, box.y + box.height * 0.75, { steps: 4 });
+  await page.mouse.up();
+  await page.getByRole("heading", { name: /rows chosen/ }).waitFor({ timeout: 5000 });
+  await page.waitForTimeout(400);
+  assert.ok(server.session.selection.length > 0, "the server keeps the selection");
+  // By the keyboard: a rule, a reason, Enter.
+  await page.getByLabel("Choose rows by a rule").selectOption("10");
+  await page.getByRole("button", { name: "Leave out …" }).click();
+  await page.keyboard.type("the head was pushed");
+  await page.keyboard.press("Enter");
+  await page.locator(".left-out").waitFor();
+  assert.match(await page.locator(".left-out").innerText(), /the head was pushed/);
+  await page.getByRole("button", { name: "Undo" }).click();
+  await page.waitForFunction(() => !document.querySelector(".left-out"));
+}
+
+async function formulaAndSession(page, server) {
+  await toScreen(page, "Formula");
+  await page.locator(".cm-content").click();
+  await page.keyboard.type("u: k ? row");
+  await page.getByText("'?' is no operator").first().waitFor();
+  await page.keyboard.press("Control+a");
+  await page.keyboard.type("u: k * row");
+  await page.getByText("The formula is right; it fits k.").waitFor();
+  await page.getByRole("button", { name: "Fit and add" }).click();
+  await page.waitForFunction(() => document.querySelector(".command code").textContent.includes("my_effect"));
+  await toScreen(page, "Session");
+  await page.getByLabel(/^Note on version 1$/).fill("as the data sheet has it");
+  await page.locator("h1").click();
+  await page.waitForFunction(() => document.querySelector(".saved").textContent === "saved");
+  await page.reload();
+  await page.locator("pre.script").waitFor();
+  assert.equal(await page.getByLabel(/^Note on version 1$/).inputValue(), "as the data sheet has it", "a reload loses nothing");
+  assert.match(await page.locator("pre.script").innerText(), /seam add formulas\/my_effect.yaml/);
+  assert.equal(await page.locator(".tree li").count(), server.session.versions.length);
+  await page.getByRole("button", { name: "beside the shown" }).first().click();
+  assert.ok((await page.getByRole("region", { name: "Two versions" }).innerText()).includes("absent"));
+}
+
+async function byKeyboard(browser) {
+  const server = await serve(share);
+  const { page, errors } = await opened(browser, server, wide);
+  await page.locator("[role=listbox]").focus();
+  await page.keyboard.press("ArrowDown");
+  await page.locator(".context.previewing[data-preview=rolling_shutter]").waitFor();
+  await page.keyboard.press("ArrowDown");
+  await page.locator(".context.previewing[data-preview=frame_latency]").waitFor();
+  await page.keyboard.press("Home");
+  await page.locator(".context.previewing[data-preview=rolling_shutter][data-how=linear]").waitFor();
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() => document.querySelector(".headline")?.textContent.startsWith("Adequate"));
+  await page.keyboard.press("Alt+5");
+  await page.locator(".tree").waitFor();
+  assert.deepEqual(errors, [], "console");
+  await page.close();
+  server.close();
+}
+
+async function onTelephone(browser) {
+  const server = await serve(share);
+  const { page, errors } = await opened(browser, server, narrow);
+  await page.getByRole("button", { name: /Structure and candidates/ }).click();
+  await option(page, "rolling_shutter").click();
+  await page.locator(".context.previewing[data-how=linear]").waitFor();
+  assert.ok(!(await option(page, "rolling_shutter").isVisible()), "the sheet closes over the preview");
+  await page.locator(".context.previewing").getByRole("button", { name: /Add/ }).click();
+  await page.waitForFunction(() => document.querySelector(".headline")?.textContent.startsWith("Adequate"));
+  await fits(page, "Work after a step, 390 px", "light");
+  assert.deepEqual(errors, [], "console");
+  await page.close();
+  server.close();
+}
+
+/** A second tab, a search under way, what cannot be opened. */
+async function otherStates(browser) {
+  const session = new MockSession();
+  session.slow = true;
+  const server = await serve(share, session);
+  const { page } = await opened(browser, server, wide);
+  assert.match(await page.locator(".progress").innerText(), /2 of 9/);
+  session.slow = false;
+  server.emit("search", session.search());
+  await page.getByText("9 tested").waitFor();
+  ++session.revision;
+  await page.getByRole("listbox").focus();
+  await page.keyboard.press("ArrowDown");
+  await page.keyboard.press("Enter");
+  await page.getByText(/Another tab changed the session/).waitFor();
+  await page.getByRole("button", { name: "close" }).click();
+  await page.locator(".brand").click();
+  await page.getByLabel("Folder of a measurement set").fill("nothing");
+  await page.getByRole("button", { name: "Open", exact: true }).click();
+  await page.getByText("nothing: there is no such folder").waitFor();
+  await page.getByLabel("choose files").setInputFiles({ name: "points.csv", mimeType: "text/csv", buffer: Buffer.from("u_px\nx\n") });
+  await page.getByText("points.csv:17: column u_px has no number").waitFor();
+  await page.close();
+  server.close();
+}
+
+/** Says how long a preview takes to be drawn in all plots; the limit is wide, since the tests share a busy machine. */
+async function speed(browser, n, most) {
+  const server = await serve(share, new MockSession(n));
+  const { page } = await opened(browser, server, wide);
+  const times = await page.evaluate(async () => {
+    const frame = () => new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
+    const list = document.querySelector("[role=listbox]");
+    const shown = () => document.querySelector(".figures").dataset.preview;
+    const found = [];
+    for (const key of ["ArrowDown", "ArrowDown", "ArrowUp", "ArrowDown", "ArrowUp"]) {
+      const was = shown(), from = performance.now();
+      list.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+      while (shown() === was && performance.now() - from < 5000) await frame();
+      await frame();
+      found.push(Math.round(performance.now() - from));
+    }
+    return found;
+  });
+  console.log(`previews of ${n} rows: ${times.join(", ")} ms; the last two were fetched before`);
+  assert.ok(Math.min(...times.slice(3)) < most, `a preview of ${n} rows takes ${times} ms`);
+  await page.close();
+  server.close();
+}
+
+const browser = await launch();
+try {
+  for (const size of [wide, narrow]) for (const scheme of ["light", "dark"]) await lookAtScreens(browser, size, scheme);
+  const server = await serve(share);
+  const { page, errors } = await opened(browser, server, wide);
+  await ties(page);
+  await previewAddUndo(page, server);
+  await chooseAndLeaveOut(page, server);
+  await formulaAndSession(page, server);
+  assert.deepEqual(errors, [], "console");
+  await page.close();
+  server.close();
+  await byKeyboard(browser);
+  await onTelephone(browser);
+  await otherStates(browser);
+  await speed(browser, 8000, 1500);
+  await speed(browser, 100000, 5000);
+} finally {
+  await browser.close();
+}
+process.exit(0);

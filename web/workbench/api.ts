@@ -1,0 +1,164 @@
+// The server's answers (docs/reference/workbench_api.md) and how they are asked for.
+import type { Parameters } from "../shared/types";
+import { decode, residualsOf, rowsOf } from "./columns";
+import type { LeftOut, Search, Session } from "./model";
+import type { Residuals, Rows } from "./rows";
+import type { Range } from "./selection";
+
+/** Another tab has changed the session since this page read it. */
+export class Stale extends Error {}
+
+export class Refusal extends Error {
+  constructor(message: string, readonly details: { file?: string; line?: number; column?: number }) {
+    super(message);
+  }
+}
+
+async function ask(path: string, options: RequestInit = {}): Promise<Response> {
+  let response: Response;
+  try {
+    response = await fetch(`api/${path}`, { credentials: "same-origin", ...options });
+  } catch {
+    throw new Error("The server does not answer: it was stopped, or this computer slept. What was saved is in the session's folder.");
+  }
+  if (response.ok) return response;
+  const body = (await response.json().catch(() => ({}))) as { error?: string };
+  const text = body.error ?? `The server answered ${response.status}.`;
+  throw response.status === 409 && "revision" in body ? new Stale(text) : new Refusal(text, body as Refusal["details"]);
+}
+
+const json = async <T>(path: string, options?: RequestInit): Promise<T> => (await ask(path, options)).json() as Promise<T>;
+
+export const post = <T>(path: string, body: unknown = {}): Promise<T> => json<T>(path,
+  { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
+
+interface WireState {
+  revision: number; current: string | number; can_undo: boolean; can_redo: boolean; command: string;
+  job: Session["job"]; selection: Range[]; left_out: LeftOut[]; recent: Session["recent"]; samples: Session["samples"];
+  set: (Omit<NonNullable<Session["set"]>, "noiseEstimated"> & { noise_estimated: boolean }) | null;
+  versions: (Omit<Session["versions"][0], "leftOut"> & { left_out: number })[];
+}
+
+function sessionOf(wire: WireState): Session {
+  const { can_undo, can_redo, left_out, set, versions, ...same } = wire;
+  return { ...same, current: String(wire.current), canUndo: can_undo, canRedo: can_redo, leftOut: left_out,
+    set: set && { ...set, noiseEstimated: set.noise_estimated },
+    versions: versions.map(({ left_out: rows, ...one }) => ({ ...one, id: String(one.id),
+      parent: one.parent === null ? null : String(one.parent), leftOut: rows })) };
+}
+
+const stateOf = async (answer: Promise<WireState>): Promise<Session> => sessionOf(await answer);
+
+export const enter = (token: string) => post<unknown>("enter", { token });
+export const session = () => stateOf(json("state"));
+export const open = (path: string) => stateOf(post("open", { path }));
+export const add = (revision: number, effect: string) => stateOf(post("add", { revision, effect }));
+export const undo = (revision: number) => stateOf(post("undo", { revision }));
+export const redo = (revision: number) => stateOf(post("redo", { revision }));
+export const goTo = (revision: number, version: string) => stateOf(post("goto", { revision, version }));
+export const note = (revision: number, version: string, text: string) => stateOf(post("note", { revision, version, note: text }));
+export const leaveOut = (revision: number, ranges: Range[], reason: string) =>
+  stateOf(post("leave-out", { revision, ranges, reason }));
+export const takeBack = (revision: number, item: LeftOut) =>
+  stateOf(post("take-back", { revision, ranges: item.ranges, reason: item.reason }));
+export const cancel = () => post<unknown>("cancel");
+export const script = async () => (await ask("script")).text();
+export const select = (ranges: Range[]) => ask("selection",
+  { method: "PUT", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ ranges }) });
+
+export function upload(files: File[]): Promise<Session> {
+  const form = new FormData();
+  for (const file of files) form.append("files", file, file.webkitRelativePath || file.name);
+  return stateOf(json("upload", { method: "POST", body: form }));
+}
+
+/** Null while the version has not been looked at. */
+export async function rows(version: string): Promise<{ rows: Rows; residuals: Residuals } | null> {
+  const response = await ask(`rows?version=${encodeURIComponent(version)}`);
+  if (response.status === 202) return null;
+  const table = decode(await response.arrayBuffer());
+  return { rows: rowsOf(table), residuals: residualsOf(table) };
+}
+
+export interface PreviewAnswer {
+  residuals: Residuals | null;
+  error: number | null;
+  parameters: Parameters;
+  how: "linear" | "fit";
+}
+
+/** Null while the effect is being fitted. */
+export async function preview(version: string, effect: string, n: number): Promise<PreviewAnswer | null> {
+  const response = await ask(`preview?version=${encodeURIComponent(version)}&effect=${encodeURIComponent(effect)}`);
+  if (response.status === 202) return null;
+  const table = decode(await response.arrayBuffer());
+  const head = table.head as unknown as { error: number | null; parameters: Parameters; how: "linear" | "fit" };
+  return { residuals: table.head.n === n ? residualsOf(table) : null, error: head.error, parameters: head.parameters ?? {},
+    how: head.how };
+}
+
+interface WireSearch {
+  candidates: Search["candidates"]; ties: Search["ties"]; not_testable: Search["notTestable"]; progress: Search["progress"];
+  advice: string; version?: string | number; cancelled?: boolean; trouble?: string;
+}
+
+const searchOf = ({ not_testable, candidates, ties, progress, advice, cancelled, trouble }: WireSearch): Search =>
+  ({ candidates, ties, progress, advice, cancelled, trouble, notTestable: not_testable });
+
+export const search = async (version: string): Promise<Search> =>
+  searchOf(await json<WireSearch>(`search?version=${encodeURIComponent(version)}`));
+
+export interface Listener {
+  session: (next: Session) => void;
+  search: (version: string, found: Search) => void;
+  preview: (version: string, effect: string) => void;
+  connected: (is: boolean) => void;
+}
+
+/** Events as they come; the browser connects again by itself, from the last event that it had. */
+export function listen(to: Listener): EventSource {
+  const source = new EventSource("api/events");
+  const on = <T>(name: string, take: (data: T) => void) =>
+    source.addEventListener(name, (event) => take(JSON.parse((event as MessageEvent<string>).data) as T));
+  on<WireState>("state", (wire) => to.session(sessionOf(wire)));
+  on<WireSearch>("search", (wire) => to.search(String(wire.version), searchOf(wire)));
+  on<{ version: string; effect: string }>("preview", ({ version, effect }) => to.preview(String(version), effect));
+  source.addEventListener("open", () => to.connected(true));
+  source.addEventListener("error", () => to.connected(false));
+  return source;
+}
+
+export const exportAddress = (what: string) => `api/export?what=${encodeURIComponent(what)}`;
+
+export interface Stage {
+  name: string;
+  form: string;
+  variables: { name: string; unit?: string; meaning?: string }[];
+}
+
+export const stages = async () => (await json<{ stages: Stage[] }>("formula")).stages;
+
+export interface Checked {
+  ok: boolean;
+  error?: string;
+  line?: number;
+  column?: number;
+  parameters?: string[];
+}
+
+export const checkFormula = (stage: string, name: string, text: string) =>
+  post<Checked>("formula/check", { stage, name, text });
+export const fitFormula = (revision: number, stage: string, name: string, text: string) =>
+  stateOf(post("formula/fit", { revision, stage, name, text }));
+export const proposals = async () =>
+  (await post<{ proposals: { stage: string; name: string; text: string; error?: number | null }[] }>("suggest")).proposals;
+
+export interface PlanAnswer {
+  headline?: string;
+  effects: { effect: string; in_model?: boolean; parameters: Record<string, { sigma: number | null }>;
+    smallest_found: Record<string, number | null>; ties: { effect: string; apart_from: number | null }[] }[];
+  changes?: { change: string; cost: number; effects: PlanAnswer["effects"] }[];
+  not_planned?: { effect: string; parameter?: string; why: string }[];
+}
+
+export const plan = (body: { effects: string[] }) => post<PlanAnswer>("plan", body);

@@ -1,0 +1,118 @@
+// The frame of all screens: where one is, what is saved, undo, and what the last click was as a command.
+import { useEffect } from "preact/hooks";
+import { DataScreen } from "./data";
+import { FormulaScreen } from "./formula";
+import { OpenScreen } from "./open";
+import { PlanScreen } from "./plan";
+import { SessionScreen } from "./tree";
+import { WorkScreen } from "./work";
+import { busy, connected, notice, problem, redo, refused, restore, saved, say, screen, screens, session, undo } from "./store";
+
+/** Keys that hold on every screen; fields keep theirs. */
+function useKeys(): void {
+  useEffect(() => {
+    const onKey = (event: KeyboardEvent) => {
+      const typing = (event.target as HTMLElement).closest?.("input, textarea, select, .cm-editor");
+      if (event.key === "Escape") restore();
+      else if (typing) return;
+      else if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z") {
+        event.preventDefault();
+        void (event.shiftKey ? redo() : undo());
+      } else if (event.altKey && /^[1-5]$/.test(event.key) && session.value?.set) {
+        event.preventDefault();
+        screen.value = screens[Number(event.key) - 1][0];
+      }
+    };
+    addEventListener("keydown", onKey);
+    return () => removeEventListener("keydown", onKey);
+  }, []);
+}
+
+export function App() {
+  useKeys();
+  if (refused.value) {
+    return (
+      <main class="alone"><h1>The workbench cannot start</h1>
+        <p role="alert">{refused.value}</p>
+        <p class="quiet">Start it with <code>seam workbench FOLDER</code> and open the address that it prints.</p></main>
+    );
+  }
+  if (!session.value) return <main class="alone"><p role="status">Reading the session …</p></main>;
+  return (
+    <div class={`app on-${screen.value}`}>
+      <TopBar />
+      <Messages />
+      <main>{bodyOf(screen.value)}</main>
+      <CommandBar />
+    </div>
+  );
+}
+
+function bodyOf(name: string) {
+  switch (name) {
+    case "open": return <OpenScreen />;
+    case "data": return <DataScreen />;
+    case "formula": return <FormulaScreen />;
+    case "plan": return <PlanScreen />;
+    case "session": return <SessionScreen />;
+    default: return <WorkScreen />;
+  }
+}
+
+function TopBar() {
+  const now = session.value!;
+  return (
+    <header class="top">
+      <button type="button" class="brand" onClick={() => (screen.value = "open")} title="Open other measurements">
+        SEAM <span>workbench</span></button>
+      {now.set && (
+        <nav aria-label="Screens">
+          {screens.map(([name, label], i) => (
+            <button key={name} type="button" aria-current={screen.value === name ? "page" : undefined} title={`Alt ${i + 1}`}
+              onClick={() => (screen.value = name)}>{label}</button>
+          ))}
+        </nav>
+      )}
+      {now.set && (
+        <div class="history">
+          <Saved />
+          <button type="button" disabled={!now.canUndo || busy.value !== ""} onClick={() => void undo()} title="Ctrl Z">Undo</button>
+          <button type="button" disabled={!now.canRedo || busy.value !== ""} onClick={() => void redo()} title="Ctrl Shift Z">Redo</button>
+        </div>
+      )}
+    </header>
+  );
+}
+
+function Saved() {
+  const [kind, text] = !connected.value ? ["lost", "no connection"] : busy.value ? ["busy", `${busy.value} …`]
+    : saved.value ? ["good", "saved"] : ["lost", "not saved"];
+  return <span class={`saved ${kind}`} role="status">{text}</span>;
+}
+
+function Messages() {
+  return (
+    <>
+      {problem.value && (
+        <p class="message trouble" role="alert">{problem.value}{" "}
+          <button type="button" class="link" onClick={() => (problem.value = "")}>close</button></p>
+      )}
+      {session.value?.problem && <p class="message trouble" role="alert">Not saved: {session.value.problem}</p>}
+      {notice.value && <p class="toast" role="status">{notice.value}</p>}
+    </>
+  );
+}
+
+/** What the last click was, so that a script can repeat it. */
+function CommandBar() {
+  const { command, set } = session.value!;
+  if (!set || !command) return null;
+  const copy = () => navigator.clipboard.writeText(command).then(() => say("The command is in the clipboard."),
+    () => say("The browser gave no access to the clipboard."));
+  return (
+    <footer class="command" aria-label="The last step as a command">
+      <code tabIndex={0}>{command}</code>
+      <button type="button" onClick={copy}>Copy</button>
+    </footer>
+  );
+}

@@ -1,0 +1,169 @@
+// The candidates as they come: ordered, with ties in a bracket and what cannot be tested with its reason. Pointing at one
+// previews it in all plots.
+import { signal } from "@preact/signals";
+import { useRef } from "preact/hooks";
+import { count, number, withSigma } from "../shared/format";
+import { Gain } from "../shared/parts";
+import { Rich } from "../shared/rich";
+import { asValue, type Candidate, type Parameters } from "../shared/types";
+import { addEffect, point, pointed, restore, searched, sheetOpen, stopSearch } from "./store";
+import type { Search, Tie } from "./model";
+
+const allShown = signal(false);
+
+export const helps = (c: Candidate) => c.significant ?? ((c.gain ?? 0) > 0 && (c.p_value ?? 1) < 0.01);
+
+interface Block {
+  items: Candidate[];
+  tie?: Tie;
+}
+
+/** Candidates in their order, those that the data do not separate together at the place of the first. */
+function blocksOf(candidates: Candidate[], ties: Tie[]): Block[] {
+  const placed = new Set<string>();
+  const blocks: Block[] = [];
+  for (const candidate of candidates) {
+    if (placed.has(candidate.effect)) continue;
+    const tie = ties.find((one) => one.effects.includes(candidate.effect));
+    const items = tie ? candidates.filter((c) => tie.effects.includes(c.effect)) : [candidate];
+    items.forEach((c) => placed.add(c.effect));
+    blocks.push(items.length > 1 ? { items, tie } : { items });
+  }
+  return blocks;
+}
+
+export function Candidates() {
+  const search = searched.value;
+  if (!search) return <p class="empty">No search has run on this version yet.</p>;
+  const strong = search.candidates.filter(helps), weak = search.candidates.filter((c) => !helps(c));
+  return (
+    <section class="candidates" aria-label="Candidates">
+      <header class="side-head">
+        <h2>Candidates</h2>
+        <Progress search={search} />
+      </header>
+      {search.trouble && <p class="trouble" role="alert">{search.trouble}</p>}
+      <p class="hint">Ordered by the log-likelihood of held-out groups. Point to preview, Enter adds.</p>
+      <List blocks={[...blocksOf(strong, search.ties), ...(allShown.value ? blocksOf(weak, search.ties) : [])]}
+        strong={strong.length} done={search.progress === null} />
+      {weak.length > 0 && (
+        <button type="button" class="link" aria-expanded={allShown.value} onClick={() => (allShown.value = !allShown.value)}>
+          {allShown.value ? "hide" : "and"} {weak.length} without a gain that noise would not bring
+        </button>
+      )}
+      <NotTestable search={search} />
+    </section>
+  );
+}
+
+function Progress({ search }: { search: Search }) {
+  if (!search.progress) {
+    return <span class="quiet num" role="status">{search.candidates.length} tested{search.cancelled && ", then cancelled"}</span>;
+  }
+  const { done, of } = search.progress;
+  return (
+    <span class="progress num" role="status">
+      <progress max={of || 1} value={of ? done : undefined} aria-label="Candidates tested" />
+      {of ? `${count(done)} of ${count(of)}` : "searching"}
+      <button type="button" class="link" onClick={stopSearch}>cancel</button>
+    </span>
+  );
+}
+
+const idOf = (effect: string) => `candidate-${effect.replace(/[^a-z0-9_]/gi, "-")}`;
+
+function List({ blocks, strong, done }: { blocks: Block[]; strong: number; done: boolean }) {
+  const list = useRef<HTMLDivElement>(null);
+  const all = blocks.flatMap((block) => block.items);
+  if (all.length === 0) {
+    return <p class="empty">{done ? "No effect of the catalogue brings a gain that noise would not." : "None so far brings a gain that noise would not."}</p>;
+  }
+  const now = pointed.value;
+  const step = (by: number) => {
+    const at = all.findIndex((c) => c.effect === now);
+    const next = all[Math.max(0, Math.min(all.length - 1, at < 0 ? (by > 0 ? 0 : all.length - 1) : at + by))];
+    point(next.effect, true);
+    list.current?.querySelector(`#${idOf(next.effect)}`)?.scrollIntoView({ block: "nearest" });
+  };
+  const onKey = (event: KeyboardEvent) => {
+    const moves: Record<string, () => void> = {
+      ArrowDown: () => step(1), ArrowUp: () => step(-1), Home: () => step(-all.length), End: () => step(all.length),
+      Enter: () => now && void addEffect(now),
+    };
+    const move = moves[event.key];
+    if (!move || event.ctrlKey || event.metaKey) return;
+    event.preventDefault();
+    move();
+  };
+  return (
+    <div class="list" role="listbox" aria-label="Candidates" tabIndex={0} ref={list} onKeyDown={onKey}
+      aria-activedescendant={now && all.some((c) => c.effect === now) ? idOf(now) : undefined}
+      onPointerLeave={(e) => e.pointerType === "mouse" && restore(false)}>
+      {blocks.map((block, i) => (block.tie
+        ? <div key={`tie ${i}`} class="bracket" role="group" aria-label="Not separated by these data">
+          {block.items.map((c) => <Option key={c.effect} candidate={c} />)}
+          <p class="separates">These data do not separate them. {block.tie.advice}</p>
+        </div>
+        : block.items.map((c) => <Option key={c.effect} candidate={c} weak={all.indexOf(c) >= strong} />)))}
+    </div>
+  );
+}
+
+function Option({ candidate: c, weak = false }: { candidate: Candidate; weak?: boolean }) {
+  const chosen = pointed.value === c.effect;
+  return (
+    <div id={idOf(c.effect)} role="option" aria-selected={chosen} class={`option${weak ? " weak" : ""}`}
+      onPointerEnter={(e) => e.pointerType === "mouse" && point(c.effect, false)}
+      onClick={() => {
+        point(c.effect, true);
+        sheetOpen.value = false;
+      }}>
+      <div class="line">
+        <code class="effect">{c.effect}</code>
+        {c.at_bound && <span class="tag warn">at its bound</span>}
+        <Gain gain={c.gain} sigma={c.gain_sigma} />
+      </div>
+      <div class="line small">
+        <Values parameters={c.parameters} />
+        <span class="num quiet">error {number(c.error, 3)}</span>
+      </div>
+      {Object.keys(c.with ?? {}).length > 0 && <div class="small">together with {Object.keys(c.with!).join(", ")}</div>}
+      {(c.stands_in_for ?? []).length > 0 && <div class="small quiet">alone it stands in for {c.stands_in_for!.join(", ")}</div>}
+    </div>
+  );
+}
+
+/** The first two parameters; the tooltip and the preview have all of them. */
+function Values({ parameters }: { parameters?: Parameters }) {
+  const entries = Object.entries(parameters ?? {});
+  return (
+    <span class="values num">
+      {entries.slice(0, 2).map(([name, parameter]) => (
+        <span key={name}><span class="quiet">{name}</span> <Rich text={valueText(parameter)} /></span>
+      ))}
+      {entries.length > 2 && <span class="quiet">+ {entries.length - 2}</span>}
+    </span>
+  );
+}
+
+/** A value with its error; "not determined" where the error hides it. */
+export function valueText(parameter: Parameters[string]): string {
+  const { value, sigma } = asValue(parameter);
+  if (value !== null && sigma != null && sigma > 2 * Math.abs(value) && sigma > 0) return `not determined (± ${number(sigma, 2)})`;
+  return withSigma(value, sigma);
+}
+
+function NotTestable({ search }: { search: Search }) {
+  if (search.notTestable.length === 0) return null;
+  return (
+    <details class="more">
+      <summary>{search.notTestable.length} not testable with these data</summary>
+      <ul class="untestable">
+        {search.notTestable.map((item, i) => (
+          <li key={i}><code>{item.effect}</code> {item.parameter && <code class="quiet">{item.parameter}</code>}
+            <div class="small quiet">{item.why}</div></li>
+        ))}
+      </ul>
+    </details>
+  );
+}

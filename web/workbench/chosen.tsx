@@ -1,0 +1,131 @@
+// The chosen rows: where they are in the file, their residuals, and leaving them out with a reason.
+import { signal } from "@preact/signals";
+import { count, number, splitUnit, words } from "../shared/format";
+import { Rich } from "../shared/rich";
+import { DataTable, type Column } from "../shared/table";
+import { choose, clearSelection, rowsOf, selection } from "./selection";
+import { leaveOut, look, session, takeBack, view } from "./store";
+
+const reason = signal("");
+const asking = signal(false);
+const listed = 60;
+
+export function Chosen() {
+  const now = view.value, set = session.value?.set;
+  if (!now || !set) return null;
+  const chosen = selection.value;
+  return (
+    <section class="chosen" aria-label="Chosen rows">
+      <header class="side-head">
+        <h2>{chosen.count > 0 ? `${count(chosen.count)} rows chosen` : "Rows"}</h2>
+        <Rules />
+      </header>
+      {chosen.count === 0
+        ? <p class="empty">Draw a rectangle in a plot, or click a bar or a group, to choose rows; all plots then show them.</p>
+        : <>
+          <p class="hint">{chosen.what}</p>
+          <LeaveOut />
+          <RowTable />
+        </>}
+      <LeftOutList />
+    </section>
+  );
+}
+
+/** Rows by rule: what a rectangle chooses, for the keyboard. */
+function Rules() {
+  const rows = view.value!.rows;
+  const beyond = (limit: number) => {
+    const now = view.value!, residuals = now.after ?? now.before;
+    const columns = residuals.channels.map((name) => [residuals.r.get(name)!, residuals.s.get(name)!]);
+    choose(rows.n, (i) => columns.some(([r, s]) => Math.abs(r[i] / s[i]) > limit), `residuals beyond ${limit} of their errors`);
+  };
+  return (
+    <span class="rules">
+      <label>choose{" "}
+        <select aria-label="Choose rows by a rule" value="" onChange={(e) => {
+          const value = e.currentTarget.value;
+          e.currentTarget.value = "";
+          if (value === "none") clearSelection();
+          else beyond(Number(value));
+        }}>
+          <option value="" disabled>by a rule …</option>
+          <option value="3">beyond 3 errors</option>
+          <option value="5">beyond 5 errors</option>
+          <option value="10">beyond 10 errors</option>
+          <option value="none">none</option>
+        </select>
+      </label>
+    </span>
+  );
+}
+
+function LeaveOut() {
+  if (!asking.value) {
+    return (
+      <div class="actions">
+        <button type="button" onClick={() => (asking.value = true)}>Leave out …</button>
+        <button type="button" class="link" onClick={clearSelection}>choose none</button>
+      </div>
+    );
+  }
+  const submit = async (event: Event) => {
+    event.preventDefault();
+    if (await leaveOut(reason.value.trim())) {
+      reason.value = "";
+      asking.value = false;
+    }
+  };
+  return (
+    <form class="reason" onSubmit={submit}>
+      <label>Why these rows are left out
+        <input value={reason.value} required minLength={3} placeholder="the board moved in frame 12"
+          ref={(element) => element?.focus()} onInput={(e) => (reason.value = e.currentTarget.value)} /></label>
+      <button type="submit" class="primary">Leave out</button>
+      <button type="button" onClick={() => (asking.value = false)}>Keep them</button>
+    </form>
+  );
+}
+
+function RowTable() {
+  const { rows, before, after } = view.value!;
+  const residuals = after ?? before;
+  const covariates = (look.value?.covariate ?? "").split("*").map((name) => name.replace(/^sign\((.*)\)$/, "$1"))
+    .filter((name) => rows.has(name)).slice(0, 2);
+  const cell = (name: string, i: number) => rows.column(name)?.[i];
+  const columns: Column[] = [{ label: "Line", right: true }, { label: session.value!.set!.group, right: true },
+    ...residuals.channels.map((name) => ({ label: `${words(splitUnit(name).name)} residual`, right: true })),
+    ...covariates.map((name) => ({ label: words(name), right: true }))];
+  return (
+    <>
+      <p class="quiet small">lines of <code>{session.value!.set!.file}</code></p>
+      <DataTable columns={columns} rows={rowsOf(selection.value, listed).map((i) => ({ cells: [
+        cell("line", i) ?? i + 1,
+        cell("group", i) ?? "",
+        ...residuals.channels.map((name) => {
+          const r = residuals.r.get(name)![i], s = residuals.s.get(name)![i];
+          return Number.isFinite(r) ? <span class="num"><Rich text={`${number(r)} ${splitUnit(name).unit}`} />{" "}
+            <span class="quiet">{number(r / s, 2)} σ</span></span> : "left out";
+        }),
+        ...covariates.map((name) => <Rich text={number(cell(name, i))} />),
+      ] }))} />
+      {selection.value.count > listed && <p class="quiet small">and {count(selection.value.count - listed)} more</p>}
+    </>
+  );
+}
+
+function LeftOutList() {
+  const all = session.value?.leftOut ?? [];
+  if (all.length === 0) return null;
+  return (
+    <div class="left-out">
+      <h3>Left out</h3>
+      <ul>
+        {all.map((item, i) => (
+          <li key={i}><span class="num">{count(item.count)} {item.count === 1 ? "row" : "rows"}</span>: {item.reason}{" "}
+            <button type="button" class="link" onClick={() => void takeBack(item)}>take back</button></li>
+        ))}
+      </ul>
+    </div>
+  );
+}

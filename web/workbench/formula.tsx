@@ -1,0 +1,134 @@
+// An effect as a formula of one's own: the stage's variables, checked while typing, fitted and judged at once.
+import { signal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import { number } from "../shared/format";
+import * as api from "./api";
+import { makeEditor, type Editor } from "./editor";
+import { applyFormula, busy, version } from "./store";
+
+const stages = signal<api.Stage[] | null>(null);
+const stage = signal("");
+const name = signal("my_effect");
+const text = signal("");
+const checked = signal<api.Checked | null>(null);
+const failed = signal("");
+const proposed = signal<Awaited<ReturnType<typeof api.proposals>> | null>(null);
+
+async function read(): Promise<void> {
+  try {
+    stages.value = await api.stages();
+    if (!stages.value.some((one) => one.name === stage.value)) setStage(stages.value[0]);
+  } catch (error) {
+    failed.value = (error as Error).message;
+  }
+}
+
+function setStage(next: api.Stage | undefined): void {
+  stage.value = next?.name ?? "";
+  if (next && !text.value.trim()) text.value = next.form;
+}
+
+export function FormulaScreen() {
+  useEffect(() => void read(), []);
+  const known = stages.value;
+  if (failed.value) return <div class="page"><h1>Formula</h1><p class="empty" role="alert">{failed.value}</p></div>;
+  if (!known) return <div class="page"><p class="empty" role="status">Reading the stages …</p></div>;
+  const now = known.find((one) => one.name === stage.value);
+  return (
+    <div class="page formula-screen">
+      <h1>Formula</h1>
+      <p class="lead">What no effect of the catalogue explains can be written down. Parameters are fitted; the error of held-out groups
+        judges.</p>
+      <div class="formula">
+        <div class="write">
+          <div class="fields">
+            <label>Stage
+              <select value={stage.value} onChange={(e) => setStage(known.find((one) => one.name === e.currentTarget.value))}>
+                {known.map((one) => <option key={one.name} value={one.name}>{one.name}</option>)}
+              </select></label>
+            <label>Name <input value={name.value} pattern="[a-z][a-z0-9_]*" onInput={(e) => (name.value = e.currentTarget.value)} /></label>
+          </div>
+          <Text stage={now} />
+          <Verdict />
+        </div>
+        <Variables stage={now} />
+      </div>
+      <Proposals />
+    </div>
+  );
+}
+
+/** The editor; what it holds is checked a moment after the last key. */
+function Text({ stage: now }: { stage?: api.Stage }) {
+  const holder = useRef<HTMLDivElement>(null);
+  const editor = useRef<Editor | null>(null);
+  useEffect(() => {
+    editor.current = makeEditor(holder.current!, text.value, () => now?.variables ?? [], async (written) => {
+      text.value = written;
+      if (!written.trim()) return [];
+      checked.value = await api.checkFormula(stage.value, name.value, written).catch((error: Error) =>
+        ({ ok: false, error: error.message }));
+      const { ok, error, line, column } = checked.value;
+      return ok ? [] : [{ line: line ?? 1, column: column ?? 1, text: error ?? "The formula is not right." }];
+    });
+    return () => editor.current?.destroy();
+  }, [now]);
+  useEffect(() => editor.current?.set(text.value), [text.value]);
+  return <div class="editor" ref={holder} />;
+}
+
+function Verdict() {
+  const found = checked.value;
+  const ready = found?.ok === true && text.value.trim() !== "" && busy.value === "";
+  return (
+    <div class="formula-verdict">
+      <p role="status" class={found && !found.ok ? "trouble" : "quiet"}>
+        {!text.value.trim() ? "Write a formula with the variables beside." : !found ? "checking …"
+          : found.ok ? `The formula is right${found.parameters?.length ? `; it fits ${found.parameters.join(", ")}` : ""}.` : found.error}
+      </p>
+      <button type="button" class="primary" disabled={!ready} onClick={() => void applyFormula(stage.value, name.value, text.value)}>
+        {busy.value ? `${busy.value} …` : "Fit and add"}</button>
+      <p class="quiet num">error now {number(version.value?.error, 4)}</p>
+    </div>
+  );
+}
+
+function Variables({ stage: now }: { stage?: api.Stage }) {
+  return (
+    <aside aria-label="Variables of the stage">
+      <h2>Variables</h2>
+      {(now?.variables ?? []).length === 0 ? <p class="empty">This stage has none.</p> : (
+        <dl class="variables">
+          {now!.variables.map((one) => (
+            <div key={one.name}><dt><code>{one.name}</code>{one.unit && <span class="quiet"> {one.unit}</span>}</dt>
+              <dd>{one.meaning}</dd></div>
+          ))}
+        </dl>
+      )}
+    </aside>
+  );
+}
+
+function Proposals() {
+  const ask = () => api.proposals().then((all) => (proposed.value = all), (error: Error) => (failed.value = error.message));
+  return (
+    <section>
+      <header class="side-head"><h2>Proposed from the residuals</h2>
+        <button type="button" onClick={ask}>Propose</button></header>
+      {proposed.value === null ? <p class="empty">SEAM can search for a short formula that fits what remains.</p>
+        : proposed.value.length === 0 ? <p class="empty">No formula is supported by these residuals.</p> : (
+          <ul class="proposals">
+            {proposed.value.map((one, i) => (
+              <li key={i}><pre>{one.text}</pre>
+                <span class="quiet num">{one.stage}{one.error != null && `, error ${number(one.error, 4)}`}</span>
+                <button type="button" onClick={() => {
+                  stage.value = one.stage;
+                  name.value = one.name;
+                  text.value = one.text;
+                }}>Edit</button></li>
+            ))}
+          </ul>
+        )}
+    </section>
+  );
+}

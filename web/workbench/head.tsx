@@ -1,0 +1,112 @@
+// The head of the page of work: the sentence that matters, the error, and how it fell over the versions.
+import * as Plot from "@observablehq/plot";
+import { useEffect, useRef } from "preact/hooks";
+import { nameMarks } from "../shared/figure";
+import { number } from "../shared/format";
+import { isDark, palette } from "../shared/palette";
+import type { Version } from "./model";
+import { goTo, preview, session, version } from "./store";
+
+const tones: Record<string, string> = { adequate: "good", missing_effect: "bad", unexplained_structure: "open" };
+
+/** Without a verdict of the search: what the comparison says. */
+const toneOf = (now: Version) => (now.structure === null ? "open" : now.structure.length > 0 ? "bad"
+  : (now.error ?? 1) > 1.15 ? "open" : "good");
+
+export function Head() {
+  const now = version.value;
+  const shown = preview.value;
+  if (!now) return null;
+  return (
+    <section class={`head ${tones[now.verdict ?? ""] ?? toneOf(now)}`} aria-label="What matters">
+      <div class="says">
+        <p class="headline">{now.headline || "Comparing the model with the measurements …"}</p>
+        {now.doubts.map((doubt, i) => <p key={i} class="doubt">{doubt.trim()}</p>)}
+        <p class="quiet small">
+          {session.value?.set?.title} · version {now.id}, {Object.keys(now.effects).length}{" "}
+          {Object.keys(now.effects).length === 1 ? "effect" : "effects"}
+          {now.leftOut > 0 && ` · ${now.leftOut} rows left out`}
+        </p>
+      </div>
+      <div class="figure-of-merit num" aria-live="polite">
+        <b>{number(now.error, 4)}</b>
+        {shown?.error != null && <b class="ghost">→ {number(shown.error, 4)}</b>}
+        <span class="quiet small">error; 1 is the noise</span>
+      </div>
+      <ErrorLine />
+    </section>
+  );
+}
+
+/** From the first version to the one shown, and whatever was made from it. */
+export function line(versions: Version[], current: string): Version[] {
+  const byId = new Map(versions.map((one) => [one.id, one]));
+  const back: Version[] = [];
+  for (let at = byId.get(current); at; at = at.parent === null ? undefined : byId.get(at.parent)) back.unshift(at);
+  for (let at = versions.filter((one) => one.parent === current).pop(); at;) {
+    back.push(at);
+    const id = at.id;
+    at = versions.filter((one) => one.parent === id).pop();
+  }
+  return back;
+}
+
+interface Point {
+  i: number;
+  error: number;
+  id: string;
+  kind: "first" | "past" | "now" | "later" | "ghost";
+}
+
+function pointsOf(all: Version[], current: string, ghost: number | null | undefined): Point[] {
+  const at = all.findIndex((one) => one.id === current);
+  const points = all.map((one, i): Point => ({ i, error: one.error ?? NaN, id: one.id,
+    kind: i === at ? "now" : i > at ? "later" : i === 0 ? "first" : "past" })).filter((p) => Number.isFinite(p.error));
+  if (ghost != null) points.push({ i: at + 1, error: ghost, id: "", kind: "ghost" });
+  return points;
+}
+
+function options(points: Point[], current: string): Plot.PlotOptions {
+  const errors = [...points.map((p) => p.error), 1];
+  const low = Math.min(...errors), high = Math.max(...errors, 1.2);
+  const spans = high / low > 8;
+  const made = points.filter((p) => p.kind !== "ghost");
+  const now = points.find((p) => p.id === current), ghost = points.find((p) => p.kind === "ghost");
+  const last = Math.max(...points.map((p) => p.i), 3);
+  return {
+    height: 84, marginLeft: 34, marginRight: 12, marginTop: 10, marginBottom: 8,
+    x: { domain: [0, last], axis: null },
+    y: { type: spans ? "log" : "linear", domain: spans ? [0.7 * low, 1.5 * high] : [0, 1.15 * high], label: null, ticks: 3,
+      tickSize: 0, tickFormat: "~g" },
+    marks: [
+      Plot.ruleY([1], { stroke: palette.formal, strokeDasharray: "4 3" }),
+      Plot.line(made, { x: "i", y: "error", stroke: palette.after, strokeWidth: 2 }),
+      ...(ghost && now ? [Plot.line([now, ghost], { x: "i", y: "error", stroke: palette.after, strokeDasharray: "3 3" }),
+        Plot.dot([ghost], { x: "i", y: "error", r: 5, stroke: palette.after, fill: palette.card, strokeDasharray: "2 2" })] : []),
+      Plot.dot(made, { x: "i", y: "error", r: (p: Point) => (p.kind === "now" ? 5.5 : 4), stroke: palette.card, strokeWidth: 1.5,
+        fill: (p: Point) => (p.kind === "later" ? palette.dot : p.i === 0 ? palette.before : palette.after) }),
+    ],
+  };
+}
+
+export function ErrorLine() {
+  const holder = useRef<HTMLDivElement>(null);
+  const now = version.value, shown = preview.value, dark = isDark.value;
+  const all = line(session.value?.versions ?? [], now?.id ?? "");
+  const points = now ? pointsOf(all, now.id, shown?.error) : [];
+  const key = points.map((p) => `${p.id} ${p.error} ${p.kind}`).join();
+  useEffect(() => {
+    const element = holder.current!;
+    if (!now || points.length === 0) return element.replaceChildren();
+    const plot = Plot.plot({ width: Math.max(160, element.clientWidth), ...options(points, now.id),
+      style: { fontFamily: "var(--sans)", fontSize: "11px", color: palette.ink2, background: "none", overflow: "visible" } });
+    nameMarks(plot, `error over the versions: ${all.map((one) => number(one.error, 3)).join(", ")}`);
+    [...plot.querySelectorAll('[data-mark="dot"]')].at(-1)!.querySelectorAll("circle").forEach((dot, i) => {
+      const { id } = points.filter((p) => p.kind !== "ghost")[i];
+      dot.addEventListener("click", () => void goTo(id));
+      dot.classList.add("clickable");
+    });
+    element.replaceChildren(plot);
+  }, [key, dark]);
+  return <div class="error-line" ref={holder} data-ghost={shown?.error ?? ""} data-points={points.length} />;
+}

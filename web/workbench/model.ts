@@ -1,0 +1,107 @@
+// What the page knows of a session, in the page's own terms; api.ts makes it from the server's answers.
+import type { Candidate, Parameters, Structure } from "../shared/types";
+import type { Range } from "./selection";
+
+export interface Doubt {
+  text: string;
+  rows?: Range[];
+}
+
+export interface ColumnInfo {
+  name: string;
+  unit?: string;
+  file?: string;
+  low?: number | null;
+  high?: number | null;
+  missing?: number;
+}
+
+export interface SetInfo {
+  title: string;
+  kind: string;
+  folder: string;
+  /** The file that rows are lines of. */
+  file: string;
+  rows: number;
+  groups: number;
+  group: string;
+  image?: { width_px: number; height_px: number };
+  noise: Record<string, number>;
+  noiseEstimated: boolean;
+  columns: ColumnInfo[];
+  doubts: Doubt[];
+}
+
+export interface Version {
+  id: string;
+  parent: string | null;
+  /** What made it, in a word: "nominal", "rolling_shutter", "formula". */
+  name: string;
+  command: string;
+  note: string;
+  error: number | null;
+  headline: string;
+  verdict?: string;
+  effects: Record<string, Parameters>;
+  structure: Structure[] | null;
+  doubts: string[];
+  noise: Record<string, number>;
+  /** How many rows were left out when it was fitted. */
+  leftOut: number;
+  /** Whether it was compared with the measurements yet. */
+  looked?: "no" | "running" | "failed" | "yes";
+  trouble?: string;
+}
+
+export interface LeftOut {
+  ranges: Range[];
+  count: number;
+  reason: string;
+}
+
+export interface Job {
+  what: string;
+  done: number;
+  of: number;
+}
+
+export interface Place {
+  name: string;
+  path: string;
+  kind?: string;
+  title?: string;
+}
+
+export interface Session {
+  revision: number;
+  set: SetInfo | null;
+  versions: Version[];
+  current: string;
+  leftOut: LeftOut[];
+  recent: Place[];
+  samples: Place[];
+  job: Job | null;
+  command: string;
+  selection: Range[];
+  canUndo: boolean;
+  canRedo: boolean;
+  /** Why the session cannot be written now. */
+  problem?: string | null;
+}
+
+export interface Tie {
+  effects: string[];
+  /** The measurement that separates them. */
+  advice: string;
+}
+
+export interface Search {
+  candidates: Candidate[];
+  ties: Tie[];
+  notTestable: { effect: string; parameter?: string; why?: string }[];
+  /** Null when the search has ended. */
+  progress: { done: number; of: number; what?: string } | null;
+  cancelled?: boolean;
+  trouble?: string;
+  advice: string;
+}

@@ -1,0 +1,72 @@
+// Open measurements: a folder's path, files dropped or chosen, samples, and what was open before.
+import { signal } from "@preact/signals";
+import * as api from "./api";
+import type { Place } from "./model";
+import { busy, openPlace, problem, screen, session, take } from "./store";
+
+const path = signal("");
+const over = signal(false);
+
+async function openFiles(list: FileList | null | undefined): Promise<void> {
+  const files = [...(list ?? [])];
+  if (files.length === 0) return;
+  busy.value = "reading the files";
+  problem.value = "";
+  try {
+    take(await api.upload(files));
+    screen.value = "work";
+  } catch (error) {
+    const { file, line } = error instanceof api.Refusal ? error.details : {};
+    problem.value = `${file ? `${file}${line ? `:${line}` : ""}: ` : ""}${(error as Error).message}`;
+  } finally {
+    busy.value = "";
+  }
+}
+
+async function openPath(at: string): Promise<void> {
+  if (await openPlace(at)) screen.value = "work";
+}
+
+export function OpenScreen() {
+  const now = session.value!;
+  return (
+    <div class="page open-screen">
+      <h1>Which effect is missing in your model?</h1>
+      <p class="lead">Open measurements and a model. The workbench shows where the model fails, previews the effects that could explain
+        it, and keeps each step as files.</p>
+      <div class={over.value ? "drop over" : "drop"} onDragOver={(e) => { e.preventDefault(); over.value = true; }}
+        onDragLeave={() => (over.value = false)}
+        onDrop={(e) => { e.preventDefault(); over.value = false; void openFiles(e.dataTransfer?.files); }}>
+        <p><b>Drop files here</b>, as <code>seam import</code> reads them, or{" "}
+          <label class="file">choose files
+            <input type="file" multiple onChange={(e) => void openFiles(e.currentTarget.files)} /></label></p>
+        <form onSubmit={(e) => { e.preventDefault(); void openPath(path.value.trim()); }}>
+          <label>Folder of a measurement set
+            <input value={path.value} placeholder="sets/points-a" required onInput={(e) => (path.value = e.currentTarget.value)} /></label>
+          <button type="submit" class="primary" disabled={busy.value !== ""}>Open</button>
+        </form>
+        {busy.value && <p role="status" class="quiet">{busy.value} …</p>}
+      </div>
+      <Places title="Samples" places={now.samples} empty="No samples are installed beside this program." />
+      <Places title="Opened before" places={now.recent} empty="Nothing was opened before." />
+    </div>
+  );
+}
+
+function Places({ title, places, empty }: { title: string; places: Place[]; empty: string }) {
+  return (
+    <section>
+      <h2>{title}</h2>
+      {places.length === 0 ? <p class="empty">{empty}</p> : (
+        <ul class="places">
+          {places.map((place) => (
+            <li key={place.path}><button type="button" disabled={busy.value !== ""} onClick={() => void openPath(place.path)}>
+              <b>{place.title ?? place.name}</b>
+              <span class="quiet">{place.kind && `${place.kind} · `}{place.path}</span>
+            </button></li>
+          ))}
+        </ul>
+      )}
+    </section>
+  );
+}

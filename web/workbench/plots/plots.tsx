@@ -1,0 +1,40 @@
+// The plots that fit the kind of measurement, all of the same rows: what is chosen in one is marked in all.
+import { look, lookAt, session, view } from "../store";
+import { ArrowPlot } from "./arrows";
+import { CovariatePlot } from "./covariate";
+import { GroupPlot } from "./groups";
+import { MapPlot } from "./map";
+import { SpreadPlot } from "./spread";
+import { shownOf, type View } from "./view";
+
+const ids = ["line", "held_out", "outlier", "left_out", "u_px", "v_px"];
+
+/** The two covariates of the map: the factors of the structure's product, else the image, else time and another. */
+function axesOf({ rows }: View, covariate: string): [string, string] | null {
+  const factors = covariate.split("*").map((name) => name.replace(/^sign\((.*)\)$/, "$1"));
+  const has = (...names: string[]) => names.every((name) => rows.has(name));
+  if (factors.length > 1 && has(...factors)) return [factors[1], factors[0]];
+  if (has("column", "row")) return ["column", "row"];
+  if (has("u_px", "v_px")) return ["u_px", "v_px"];
+  const others = rows.names.filter((name) => !ids.includes(name) && name !== "group" && name !== factors[0] && !name.includes("*"));
+  return has(factors[0]) && others.length > 0 ? [factors[0], others.includes("time") ? "time" : others[0]] : null;
+}
+
+export function Plots() {
+  const now = view.value!, item = look.value;
+  if (!item || !now.before.r.has(item.residual) || !now.rows.has(item.covariate)) return null;
+  const axes = axesOf(now, item.covariate);
+  const inImage = now.before.r.has("u_px") && now.rows.has("u_px");
+  const covariates = [...new Set([...now.rows.names.filter((name) => !ids.includes(name)), item.covariate])];
+  return (
+    <div class="figures" data-preview={now.with ?? ""}>
+      <CovariatePlot view={now} residual={item.residual} covariate={item.covariate} moment={item.moment}
+        residuals={[...shownOf(now).r.keys()]} covariates={covariates}
+        onChoose={(residual, covariate) => lookAt({ residual, covariate, moment: "mean" })} />
+      {inImage && <ArrowPlot view={now} />}
+      {axes && <MapPlot view={now} residual={item.residual} x={axes[0]} y={axes[1]} />}
+      <SpreadPlot view={now} residual={item.residual} />
+      <GroupPlot view={now} name={session.value?.set?.group || "group"} />
+    </div>
+  );
+}

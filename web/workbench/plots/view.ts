@@ -1,0 +1,19 @@
+// What the plots of one moment show: the rows, the residuals of the model, and those of a preview where there is one.
+import type { Residuals, Rows } from "../rows";
+
+export interface View {
+  rows: Rows;
+  before: Residuals;
+  after?: Residuals;
+  /** What the second residuals are of, for captions: "with rolling_shutter". */
+  with?: string;
+  image?: { width_px: number; height_px: number };
+  noise: Record<string, number>;
+}
+
+/** The height of a plot of the image, with the margins that its axes need. */
+export const imageHeight = (width: number, image: { width_px: number; height_px: number }): number =>
+  Math.round((width - 52) * (image.height_px / image.width_px)) + 62;
+
+/** The residuals that dots, arrows and selections are of: the preview's where there is one. */
+export const shownOf = (view: View): Residuals => view.after ?? view.before;

@@ -1,0 +1,66 @@
+// The rows of a measurement set as columns, and the residuals of one model (or of a preview) over the same rows.
+
+export type Numbers = Float32Array | Float64Array | Int32Array;
+
+/** Left-out rows and rows without a prediction have NaN as residual. */
+export interface Residuals {
+  channels: string[];
+  r: Map<string, Numbers>;
+  /** The standard error that the model states. */
+  s: Map<string, Numbers>;
+}
+
+export class Rows {
+  readonly n: number;
+  private readonly columns: Map<string, Numbers>;
+  private readonly orders = new Map<string, Uint32Array>();
+
+  constructor(n: number, columns: Map<string, Numbers>) {
+    this.n = n;
+    this.columns = columns;
+  }
+
+  get names(): string[] {
+    return [...this.columns.keys()];
+  }
+
+  has(name: string): boolean {
+    return this.column(name) !== undefined;
+  }
+
+  /** A column, or a product or a sign of columns, such as row*sign(pan_rate). */
+  column(name: string): Numbers | undefined {
+    const known = this.columns.get(name);
+    if (known) return known;
+    const made = name.includes("*") ? this.product(name.split("*"))
+      : name.startsWith("sign(") ? this.signs(name.slice(5, -1)) : undefined;
+    if (made) this.columns.set(name, made);
+    return made;
+  }
+
+  private product(factors: string[]): Numbers | undefined {
+    const columns = factors.map((factor) => this.column(factor));
+    if (columns.some((column) => column === undefined)) return undefined;
+    const product = new Float32Array(this.n).fill(1);
+    for (const column of columns) for (let i = 0; i < this.n; ++i) product[i] *= column![i];
+    return product;
+  }
+
+  private signs(name: string): Numbers | undefined {
+    const column = this.column(name);
+    return column && Float32Array.from(column, Math.sign);
+  }
+
+  /** Rows by rising value of a column; rows without a value are left out. */
+  order(name: string): Uint32Array {
+    let order = this.orders.get(name);
+    if (!order) {
+      const values = this.column(name)!;
+      const known: number[] = [];
+      for (let i = 0; i < this.n; ++i) if (Number.isFinite(values[i])) known.push(i);
+      order = Uint32Array.from(known).sort((a, b) => values[a] - values[b] || a - b);
+      this.orders.set(name, order);
+    }
+    return order;
+  }
+}

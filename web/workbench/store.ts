@@ -1,0 +1,288 @@
+// What the page shows, and what a person can do to it. Components read the signals; the server keeps what is saved.
+import { batch, computed, effect, signal } from "@preact/signals";
+import type { Structure } from "../shared/types";
+import * as api from "./api";
+import type { LeftOut, Search, Session, Version } from "./model";
+import type { View } from "./plots/view";
+import type { Residuals, Rows } from "./rows";
+import { clearSelection, fromRanges, rangesOf, selection } from "./selection";
+
+export type Screen = "open" | "data" | "work" | "formula" | "plan" | "session";
+
+export const screens: [Screen, string][] = [["data", "Data"], ["work", "Work"], ["formula", "Formula"], ["plan", "Plan"],
+  ["session", "Session"]];
+
+export const screen = signal<Screen>("open");
+export const session = signal<Session | null>(null);
+/** Why the page cannot show anything; what went wrong last; a short message. */
+export const refused = signal("");
+export const problem = signal("");
+export const notice = signal("");
+/** Whether the server answers; null while a write is under way. */
+export const connected = signal(true);
+export const busy = signal("");
+/** What is saved by the server: false while a write is under way or after one failed. */
+export const saved = signal(true);
+
+export const version = computed<Version | null>(() => {
+  const all = session.value?.versions ?? [];
+  return all.find((one) => one.id === session.value?.current) ?? null;
+});
+
+/** On a narrow page: whether the sheet of structure and candidates is open. */
+export const sheetOpen = signal(false);
+
+export const searched = signal<Search | null>(null);
+export const look = signal<{ residual: string; covariate: string; moment: string } | null>(null);
+
+interface Loaded {
+  version: string;
+  rows: Rows;
+  residuals: Residuals;
+}
+const loaded = signal<Loaded | null>(null);
+export const loading = signal(false);
+
+export interface Preview {
+  effect: string;
+  residuals: Residuals | null;
+  error: number | null;
+  parameters: Record<string, { value: number | null; sigma?: number | null } | number>;
+  how: "linear" | "fit" | "fitting" | "failed";
+  why?: string;
+}
+
+const hovered = signal<string | null>(null);
+const pinned = signal<string | null>(null);
+export const pointed = computed(() => hovered.value ?? pinned.value);
+const previews = signal(new Map<string, Preview>());
+const keyOf = (effectName: string) => `${session.value?.current}|${session.value?.leftOut.length}|${effectName}`;
+
+export const preview = computed<Preview | null>(() => {
+  const name = pointed.value;
+  if (!name) return null;
+  return previews.value.get(keyOf(name)) ?? { effect: name, residuals: null, error: null, parameters: {}, how: "fitting" };
+});
+
+export const view = computed<View | null>(() => {
+  const now = loaded.value, shown = preview.value;
+  if (!now || !version.value) return null;
+  return { rows: now.rows, before: now.residuals, noise: version.value.noise, image: session.value?.set?.image,
+    ...(shown?.residuals ? { after: shown.residuals, with: `With ${shown.effect}` } : {}) };
+});
+
+/** Previews the effect in all plots; a pinned one stays when the mouse leaves. */
+export function point(name: string, pin: boolean): void {
+  batch(() => {
+    if (pin) {
+      pinned.value = name;
+      hovered.value = null;
+    } else {
+      hovered.value = name;
+    }
+  });
+  void fetchPreview(name);
+}
+
+/** Back to the model as it is, or to the pinned preview where `all` is false. */
+export function restore(all = true): void {
+  hovered.value = null;
+  if (all) pinned.value = null;
+}
+
+async function fetchPreview(name: string, again = false): Promise<void> {
+  const key = keyOf(name), now = loaded.value;
+  if (!now || (previews.value.has(key) && !again)) return;
+  try {
+    const answer = await api.preview(now.version, name, now.rows.n);
+    if (answer === null) return; // Being fitted; an event comes when it is there.
+    previews.value = new Map(previews.value).set(key, { ...answer, effect: name });
+  } catch (error) {
+    previews.value = new Map(previews.value).set(key, { effect: name, residuals: null, error: null, parameters: {}, how: "failed",
+      why: (error as Error).message });
+  }
+}
+
+export function lookAt(item: { residual: string; covariate: string; moment: string }): void {
+  look.value = { residual: item.residual, covariate: item.covariate, moment: item.moment };
+}
+
+/** The strongest structure that the page can plot; without one the first residual against the first covariate. */
+function preselect(structure: Structure[] | null): void {
+  const now = loaded.value;
+  if (!now) return;
+  const found = (structure ?? []).find((item) => now.residuals.r.has(item.residual) && now.rows.has(item.covariate));
+  const channel = now.residuals.channels[0];
+  look.value = found ? { residual: found.residual, covariate: found.covariate, moment: found.moment }
+    : { residual: channel, moment: "mean",
+      covariate: ["time", "row", "group"].find((name) => now.rows.has(name)) ?? now.rows.names[0] };
+}
+
+let structureFor = "";
+
+let waiting = false;
+
+async function loadRows(id: string): Promise<void> {
+  loading.value = true;
+  try {
+    const found = await api.rows(id);
+    if (session.value?.current !== id) return;
+    waiting = found === null;
+    if (!found) return; // The look has not come so far; the next state asks again.
+    const { rows, residuals } = found;
+    batch(() => {
+      loaded.value = { version: id, rows, residuals };
+      fromRanges(rows.n, session.value?.selection ?? [], "as chosen before");
+      structureFor = "";
+    });
+    choosePlot();
+  } catch (error) {
+    problem.value = (error as Error).message;
+  } finally {
+    loading.value = false;
+  }
+}
+
+/** Once the structure of the version shown has come: its strongest, unless a person has chosen since. */
+function choosePlot(): void {
+  const now = version.value;
+  if (!now || loaded.value?.version !== now.id || structureFor === now.id) return;
+  if (now.structure || !look.value) preselect(now.structure);
+  if (now.structure) structureFor = now.id;
+}
+
+let shownKey = "";
+
+/** Takes a state from the server. */
+export function take(next: Session): void {
+  const key = `${next.set?.folder}|${next.current}|${next.leftOut.map((one) => one.count).join()}`;
+  const other = key !== shownKey;
+  batch(() => {
+    session.value = next;
+    if (other) {
+      restore();
+      searched.value = next.set ? { candidates: [], ties: [], notTestable: [], progress: { done: 0, of: 0 }, advice: "" } : null;
+    }
+    if (!next.set) screen.value = "open";
+    else if (screen.value === "open") screen.value = "work";
+  });
+  if (next.set && next.current && (other || (waiting && version.value?.looked !== "no"))) {
+    shownKey = key;
+    void loadRows(next.current);
+    if (other) void readSearch(next.current);
+  } else {
+    choosePlot();
+  }
+}
+
+async function readSearch(id: string): Promise<void> {
+  try {
+    const found = await api.search(id);
+    if (session.value?.current === id) searched.value = found;
+  } catch (error) {
+    say(error as Error);
+  }
+}
+
+/** A write: its answer is the new state; an old page reads again what another tab did. */
+async function write(what: string, ask: () => Promise<Session>): Promise<boolean> {
+  busy.value = what;
+  saved.value = false;
+  problem.value = "";
+  try {
+    take(await ask());
+    saved.value = true;
+    return true;
+  } catch (error) {
+    problem.value = (error as Error).message;
+    if (error instanceof api.Stale) {
+      take(await api.session());
+      saved.value = true;
+      problem.value = "Another tab changed the session. This page shows it as it is now; please do it again.";
+    }
+    return false;
+  } finally {
+    busy.value = "";
+  }
+}
+
+const revision = () => session.value?.revision ?? 0;
+
+export async function addEffect(name: string): Promise<void> {
+  if (await write(`adding ${name}`, () => api.add(revision(), name))) say(`${name} is added.`);
+}
+
+export const undo = () => write("undo", () => api.undo(revision()));
+export const redo = () => write("redo", () => api.redo(revision()));
+export const goTo = (id: string) => write("going to the version", () => api.goTo(revision(), id));
+export const setNote = (id: string, text: string) => write("saving the note", () => api.note(revision(), id, text));
+export const openPlace = (path: string) => write("opening", () => api.open(path));
+export const takeBack = (item: LeftOut) => write("taking rows back", () => api.takeBack(revision(), item));
+
+export async function applyFormula(stage: string, name: string, text: string): Promise<void> {
+  if (await write("fitting the formula", () => api.fitFormula(revision(), stage, name, text))) screen.value = "work";
+}
+
+export async function leaveOut(reason: string): Promise<boolean> {
+  const done = await write("leaving rows out", () => api.leaveOut(revision(), rangesOf(selection.value), reason));
+  if (done) clearSelection();
+  return done;
+}
+
+export function stopSearch(): void {
+  void api.cancel().catch(say);
+}
+
+let clearing: ReturnType<typeof setTimeout> | undefined;
+
+/** A short message that goes away by itself. */
+export function say(text: string | Error): void {
+  notice.value = typeof text === "string" ? text : text.message;
+  clearTimeout(clearing);
+  clearing = setTimeout(() => (notice.value = ""), 5000);
+}
+
+/** Keeps the server's selection equal to the page's, a moment after the last change. */
+function shareSelection(): void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let first = true;
+  effect(() => {
+    const chosen = selection.value;
+    if (first) {
+      first = false;
+      return;
+    }
+    clearTimeout(timer);
+    timer = setTimeout(() => void api.select(rangesOf(chosen)).catch(say), 300);
+  });
+}
+
+/** The screen stands in the address, so that a reload shows it again. */
+function keepScreen(): void {
+  const wanted = location.hash.slice(1) as Screen;
+  if (session.value?.set && screens.some(([name]) => name === wanted)) screen.value = wanted;
+  effect(() => history.replaceState(null, "", `#${screen.value}`));
+}
+
+export async function start(): Promise<void> {
+  const token = new URLSearchParams(location.hash.slice(1)).get("token");
+  if (token) {
+    history.replaceState(null, "", location.pathname);
+    await api.enter(token);
+  }
+  take(await api.session());
+  keepScreen();
+  shareSelection();
+  api.listen({
+    session: take,
+    search: (id, found) => {
+      if (id === session.value?.current) searched.value = found;
+    },
+    preview: (id, name) => {
+      // The fit replaces the linear step.
+      if (id !== session.value?.current) return;
+      if (previews.value.has(keyOf(name)) || pointed.value === name) void fetchPreview(name, true);
+    },
+    connected: (is) => (connected.value = is),
+  });
+}

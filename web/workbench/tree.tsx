@@ -1,0 +1,128 @@
+// The session: the tree of versions with notes, two of them side by side, the script that repeats it, and exports.
+import { signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { number } from "../shared/format";
+import { ParameterList } from "../shared/parts";
+import { DataTable } from "../shared/table";
+import * as api from "./api";
+import type { Version } from "./model";
+import { goTo, say, session, setNote } from "./store";
+
+const script = signal<string | null>(null);
+const beside = signal<string | null>(null);
+
+interface Branch {
+  version: Version;
+  depth: number;
+}
+
+/** Versions in the order of a tree; a first child goes on in its parent's column, others are set in. */
+function branches(all: Version[]): Branch[] {
+  const found: Branch[] = [];
+  const visit = (version: Version, depth: number) => {
+    found.push({ version, depth });
+    const children = all.filter((one) => one.parent === version.id);
+    children.slice(1).forEach((child) => visit(child, depth + 1));
+    if (children[0]) visit(children[0], depth);
+  };
+  all.filter((one) => one.parent === null).forEach((one) => visit(one, 0));
+  return found;
+}
+
+export function SessionScreen() {
+  const now = session.value!;
+  return (
+    <div class="page session-screen">
+      <h1>Session</h1>
+      <p class="lead">Each version is an ordinary model in a file. Undo moves a pointer; what is made from an older version becomes
+        a branch. All of it is in the session's folder.</p>
+      <section aria-label="Versions">
+        <ol class="tree">
+          {branches(now.versions).map(({ version, depth }) => (
+            <li key={version.id} style={{ "--depth": depth }} aria-current={version.id === now.current ? "true" : undefined}>
+              <Node version={version} current={now.current} />
+            </li>
+          ))}
+        </ol>
+      </section>
+      <SideBySide />
+      <Script />
+      <Exports />
+    </div>
+  );
+}
+
+function Node({ version, current }: { version: Version; current: string }) {
+  return (
+    <article class="node">
+      <header>
+        <span class="num quiet">{version.id}</span>
+        <b>{version.name}</b>
+        <span class="num">error {number(version.error, 4)}</span>
+        {version.leftOut > 0 && <span class="tag">{version.leftOut} rows left out</span>}
+        {version.id === current ? <span class="tag here">shown</span>
+          : <button type="button" onClick={() => void goTo(version.id)}>Go there</button>}
+        {version.id !== current && (
+          <button type="button" class="link" aria-pressed={beside.value === version.id}
+            onClick={() => (beside.value = beside.value === version.id ? null : version.id)}>beside the shown</button>
+        )}
+      </header>
+      {version.command && <code class="quiet made-by">{version.command}</code>}
+      <label class="note"><span class="hidden">Note on version {version.id}</span>
+        <textarea rows={1} placeholder="Note" value={version.note}
+          onChange={(e) => void setNote(version.id, e.currentTarget.value)} /></label>
+    </article>
+  );
+}
+
+function SideBySide() {
+  const now = session.value!;
+  const [one, other] = [now.current, beside.value].map((id) => now.versions.find((v) => v.id === id));
+  if (!one || !other) return null;
+  const names = [...new Set([...Object.keys(one.effects), ...Object.keys(other.effects)])];
+  return (
+    <section aria-label="Two versions">
+      <h2>Versions {one.id} and {other.id}</h2>
+      <DataTable columns={[{ label: "Effect" }, { label: `Version ${one.id}` }, { label: `Version ${other.id}` }]}
+        rows={[{ cells: ["error", <span class="num">{number(one.error, 4)}</span>, <span class="num">{number(other.error, 4)}</span>] },
+          ...names.map((name) => ({ cells: [<code>{name}</code>, ...[one, other].map((v) =>
+            (v.effects[name] ? <ParameterList parameters={v.effects[name]} /> : <span class="quiet">absent</span>))] }))]} />
+    </section>
+  );
+}
+
+function Script() {
+  const { revision } = session.value!;
+  useEffect(() => {
+    api.script().then((text) => (script.value = text), (error: Error) => (script.value = `# ${error.message}`));
+  }, [revision]);
+  const copy = () => navigator.clipboard.writeText(script.value ?? "").then(() => say("The script is in the clipboard."),
+    () => say("The browser gave no access to the clipboard."));
+  return (
+    <section aria-label="Script">
+      <header class="side-head"><h2>As a script</h2><button type="button" onClick={copy}>Copy as script</button></header>
+      <p class="quiet">A shell script that ends in the same files.</p>
+      {script.value === null ? <p class="empty" role="status">Reading …</p> : <pre class="script" tabIndex={0}>{script.value}</pre>}
+    </section>
+  );
+}
+
+const exported: [string, string, string][] = [
+  ["model", "Model", "the version shown, a model file of SEAM"],
+  ["report", "Report", "a page that works without this program"],
+  ["session", "Whole session", "all versions, notes and rows left out, as an archive"],
+];
+
+function Exports() {
+  return (
+    <section aria-label="Export">
+      <h2>Export</h2>
+      <ul class="exports">
+        {exported.map(([what, label, text]) => (
+          <li key={what}><a class="button" href={api.exportAddress(what)} download>{label}</a> <span class="quiet">{text}</span></li>
+        ))}
+      </ul>
+      <p class="quiet">Plots are saved as SVG by the button at the corner of each.</p>
+    </section>
+  );
+}
