@@ -33,7 +33,7 @@ function(seam_install_program)
           DESTINATION ${share} COMPONENT program PATTERN "*.new" EXCLUDE)
   # Made where npm and python were there.
   install(FILES ${CMAKE_BINARY_DIR}/share/seam/report.html DESTINATION ${share} COMPONENT program OPTIONAL)
-  foreach(folder seam/viewer man bash-completion zsh)
+  foreach(folder seam/viewer seam/workbench man bash-completion zsh)
     get_filename_component(above ${CMAKE_INSTALL_DATADIR}/${folder} DIRECTORY)
     install(DIRECTORY ${CMAKE_BINARY_DIR}/share/${folder} DESTINATION ${above} COMPONENT program OPTIONAL)
   endforeach()

@@ -25,7 +25,7 @@ import by_hand
 
 SEAM, SOURCE = by_hand.arguments("seam", "source")
 LIMIT_S = 200  # For builds without optimisation; the longest takes seconds.
-SERVES = {"serve": "listening", "view": "http://"}  # What they print when they are there.
+SERVES = {"serve": "listening", "view": "http://", "workbench": "http://"}  # What they print when they are there.
 WITHOUT_EXAMPLE = {"experiment", "open-r", "replay"}  # Their subcommands have some.
 EXIT_CODES = {"seam replay recover": 3}  # Something was lost, as the help says.
 # The paper's experiments take minutes; tests/experiments_test.py runs them in this very form.
@@ -82,6 +82,7 @@ class Scratch:
         for name in ("better.yaml", "found.yaml"):
             (folder / name).write_text(FITTED)
         self.run(["seam", "measure", "--model", "truth.yaml", "--protocol", self.small_room(), "--seed", "1", "--out", "sets/points-a"])
+        shutil.copy(SOURCE / "docs/tutorial/nominal.yaml", folder / "sets/points-a")
         shutil.copy(SOURCE / "replays/match.mcap", folder / "match.mcap")
         shutil.copy(SOURCE / "replays/corpus/corrupted.mcap", folder / "damaged.mcap")
         swing = ["seam", "run", "scenarios/head_swing.yaml"]

@@ -7,7 +7,7 @@
 namespace seam::tools {
 
 // One line a command; a file of tools/commands/, tools/network/, tools/open_r/, tools/replay/,
-// tools/robots/, tools/sweep/ or tools/viewer/ defines add_<name>.
+// tools/robots/, tools/sweep/, tools/viewer/ or tools/workbench/ defines add_<name>.
 #define SEAM_COMMANDS(X) \
   X(add)                 \
   X(camera_calibrate)    \
@@ -38,7 +38,8 @@ namespace seam::tools {
   X(serve)               \
   X(study)               \
   X(sweep)               \
-  X(view)
+  X(view)                \
+  X(workbench)
 
 #define SEAM_DECLARE(name) void add_##name(app::Command app);
 SEAM_COMMANDS(SEAM_DECLARE)

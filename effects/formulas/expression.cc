@@ -8,6 +8,7 @@
 
 #include "effects/formulas/formula.h"
 #include "effects/formulas/formula_parameter.h"
+#include "effects/formulas/formula_stages.h"
 #include "effects/formulas/scenario_effect.h"
 #include "effects/model.h"
 #include "effects/registry.h"
@@ -188,6 +189,13 @@ std::vector<Parameter> parameters_of(const ConfigNode& effect, const StageVariab
 }
 
 }  // namespace
+
+std::vector<FormulaStage> formula_stages() {
+  std::vector<FormulaStage> all;
+  for (const StageVariables& stage : stages())
+    all.push_back({to_string(stage.stage), stage.variables, stage.outputs, stage.kinds});
+  return all;
+}
 
 std::shared_ptr<const EffectDefinition> expression_effect(const std::string& name,
                                                           const ConfigNode& node) {

@@ -3,8 +3,6 @@
 #include <httplib.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
 
@@ -12,16 +10,12 @@
 #include "app/logs/log_search.h"
 #include "sim_core/base/error.h"
 #include "sim_core/input/shown_text.h"
-#include "sim_core/system/own_files.h"
 #include "tools/command.h"
-#include "tools/viewer/gated_server.h"
-#include "tools/viewer/loopback_host.h"
+#include "tools/pages/page_server.h"
 #include "tools/viewer/view_data.h"
 
 namespace seam::tools {
 namespace {
-
-namespace fs = std::filesystem;
 
 struct Settings {
   std::vector<std::string> files;
@@ -29,20 +23,6 @@ struct Settings {
   std::optional<double> at_s;  // What the printed address shows; as robot.
   std::string robot;
 };
-
-fs::path page_folder() {
-  if (const char* given = std::getenv("SEAM_VIEWER_DIR")) return given;
-  const fs::path found = find_shared("viewer");
-  return found.empty() ? program_file().parent_path() / "share/seam/viewer" : found;
-}
-
-void refuse(httplib::Response& response, int status, const std::string& sentence) {
-  response.status = status;
-  // A path in the sentence may hold bytes that are no UTF-8.
-  response.set_content(nlohmann::json{{"error", sentence}}.dump(
-                           -1, ' ', false, nlohmann::json::error_handler_t::replace),
-                       "application/json");
-}
 
 // The address's query for what is to be shown first.
 std::string moment(const Settings& settings) {
@@ -61,41 +41,13 @@ class Viewer {
     if (!settings.robot.empty() && std::ranges::find(robots, settings.robot) == robots.end())
       throw UsageError("--robot: there is no '" + shown(settings.robot) + "'" +
                        suggestion_for(settings.robot, robots));
-    server_.set_pre_routing_handler(
-        [](const httplib::Request& request, httplib::Response& response) {
-          if (names_loopback(request.get_header_value("Host")))
-            return httplib::Server::HandlerResponse::Unhandled;
-          refuse(response, 403, "only requests from this machine are answered");
-          return httplib::Server::HandlerResponse::Handled;
-        });
-    server_.set_error_handler([](const httplib::Request&, httplib::Response& response) {
-      if (response.body.empty()) refuse(response, response.status, "there is nothing here");
-    });
-    add_pages();
     add_answers();
   }
 
-  void serve(const Settings& settings) {
-    const int port = settings.port;
-    const int bound = port == 0 ? server_.bind_to_any_port("127.0.0.1")
-                                : (server_.bind_to_port("127.0.0.1", port) ? port : -1);
-    if (bound < 0) throw InputError(fmt::format("--port {}: cannot be had", port));
-    server_.lengthen_queue();
-    std::printf("http://127.0.0.1:%d/%s\nCtrl-C ends it.\n", bound, moment(settings).c_str());
-    std::fflush(stdout);
-    server_.listen_after_bind();
-  }
+  void serve(const Settings& settings) { server_.serve(settings.port, moment(settings)); }
 
  private:
   using Answer = std::string (ViewData::*)(const Query&);
-
-  void add_pages() {
-    const fs::path folder = page_folder();
-    if (!fs::exists(folder / "index.html") || !server_.set_mount_point("/", folder.string())) {
-      std::fprintf(stderr, "%s: no page there; scripts/build.sh builds it. /api works.\n",
-                   folder.c_str());
-    }
-  }
 
   void add_answers() {
     get("info", [this](const Query&, httplib::Response& response) {
@@ -143,24 +95,20 @@ class Viewer {
   }
 
   void get(const std::string& name, std::function<void(const Query&, httplib::Response&)> answer) {
-    server_.Get("/api/" + name,
+    server_.get("/api/" + name,
                 [answer](const httplib::Request& request, httplib::Response& response) {
                   Query query;
                   for (const auto& [key, value] : request.params) query.emplace(key, value);
                   try {
                     answer(query, response);
-                  } catch (const UsageError& error) {
-                    refuse(response, 400, error.what());
                   } catch (const NotFound& error) {
-                    refuse(response, 404, error.what());
-                  } catch (const std::exception& error) {
-                    refuse(response, 500, error.what());
+                    throw Refusal(404, error.what());
                   }
                 });
   }
 
   std::vector<std::unique_ptr<ViewData>> logs_;
-  GatedServer server_;
+  PageServer server_{{.folder = "viewer", .folder_from = "SEAM_VIEWER_DIR"}};
   std::once_flag compared_;
   std::string difference_;
 };

@@ -1,4 +1,4 @@
-#include "tools/viewer/gated_server.h"
+#include "tools/pages/gated_server.h"
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>

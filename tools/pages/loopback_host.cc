@@ -1,4 +1,4 @@
-#include "tools/viewer/loopback_host.h"
+#include "tools/pages/loopback_host.h"
 
 #include <algorithm>
 #include <cctype>

@@ -1,13 +1,15 @@
 // An HTTP server whose answers do not wait for the slow: a connection takes one of the few threads
-// that answer only when its whole request is there. Requests have no body.
+// that answer only when its whole request is there, with its body where one of that size is taken.
 #pragma once
 
 #include <httplib.h>
 
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -17,8 +19,12 @@ namespace seam::tools {
 
 class GatedServer : public httplib::Server {
  public:
+  // How many bytes of body a request with this head may have; 0: none is waited for.
+  using MostBody = std::function<size_t(std::string_view head)>;
+  static constexpr int kUsualThreads = 8;  // A browser asks for about six things at once.
+
   // Throws InputError where the system grants no threads or descriptors.
-  GatedServer();
+  explicit GatedServer(int threads = kUsualThreads, MostBody most_body = {});
   ~GatedServer() override;
 
   // After a port is bound: so many connections may wait until they are taken, in place of
@@ -33,6 +39,7 @@ class GatedServer : public httplib::Server {
   struct Connection {
     int socket = -1;
     std::string bytes;  // What came so far.
+    size_t whole = 0;   // With head and body; 0: its head is not there yet.
     int ticks = 0;      // How long it has been waiting.
   };
 
@@ -42,6 +49,9 @@ class GatedServer : public httplib::Server {
   void read_from(Connection& connection);
   void answer();  // On each thread that answers.
 
+  size_t size_of_whole(const std::string& bytes) const;  // 0: the head is not there yet.
+
+  const MostBody most_body_;
   const scheduler::Wake wake_;
   std::mutex mutex_;
   std::condition_variable queued_;

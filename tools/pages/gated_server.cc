@@ -1,4 +1,4 @@
-#include "tools/viewer/gated_server.h"
+#include "tools/pages/gated_server.h"
 
 #include <arpa/inet.h>
 #include <poll.h>
@@ -6,7 +6,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
+#include <charconv>
 #include <utility>
 
 #include "sim_core/system/thread.h"
@@ -14,7 +16,6 @@
 namespace seam::tools {
 namespace {
 
-constexpr int kThreads = 8;  // A browser asks for about six things at once.
 constexpr int kTick_ms = 250;
 constexpr int kMostTicks = 40;  // Ten seconds for a request.
 constexpr int kWrite_ms = 5000;
@@ -69,18 +70,32 @@ class NoQueue final : public httplib::TaskQueue {
   void shutdown() override {}
 };
 
+// What a head says of the size of its body; 0 where it says nothing that is a size.
+size_t content_length_of(std::string_view head) {
+  constexpr std::string_view kName = "content-length:";
+  std::string lower(head);
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const size_t at = lower.find(kName);
+  if (at == std::string::npos) return 0;
+  const size_t digits = lower.find_first_not_of(' ', at + kName.size());
+  size_t length = 0;
+  if (digits != std::string::npos)
+    std::from_chars(lower.data() + digits, lower.data() + lower.size(), length);
+  return length;
+}
+
 void drop(int& socket) {
   ::close(std::exchange(socket, -1));
 }
 
 }  // namespace
 
-GatedServer::GatedServer() {
+GatedServer::GatedServer(int threads, MostBody most_body) : most_body_(std::move(most_body)) {
   new_task_queue = [] { return new NoQueue; };
   // A thread that the system refuses ends the constructor: those that run are asked to end.
   try {
     threads_.push_back(start_thread([this] { watch(); }));
-    for (int i = 0; i < kThreads; ++i) threads_.push_back(start_thread([this] { answer(); }));
+    for (int i = 0; i < threads; ++i) threads_.push_back(start_thread([this] { answer(); }));
   } catch (...) {
     const std::lock_guard lock(mutex_);
     ending_ = true;
@@ -122,7 +137,8 @@ void GatedServer::watch() {
     {
       const std::lock_guard lock(mutex_);
       if (ending_) return;
-      for (const int socket : std::exchange(taken_, {})) waiting_.push_back({socket, "", 0});
+      for (const int socket : std::exchange(taken_, {}))
+        waiting_.push_back({.socket = socket, .bytes = {}});
     }
     // Who has waited longest makes room, so that a whole request of somebody new is read.
     while (waiting_.size() > kMostWaiting) {
@@ -146,16 +162,31 @@ void GatedServer::watch() {
 }
 
 void GatedServer::read_from(Connection& connection) {
-  char bytes[4096];
+  char bytes[65536];
   const ssize_t size = ::recv(connection.socket, bytes, sizeof bytes, MSG_DONTWAIT);
   if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
   if (size > 0) connection.bytes.append(bytes, static_cast<size_t>(size));
-  if (size <= 0 || connection.bytes.size() > kMostHeadBytes) return drop(connection.socket);
-  if (connection.bytes.find("\r\n\r\n") == std::string::npos) return;
+  if (size <= 0) return drop(connection.socket);
+  if (connection.whole > 0) connection.ticks = 0;  // A body comes in many pieces.
+  if (connection.whole == 0) connection.whole = size_of_whole(connection.bytes);
+  const size_t most = connection.whole == 0 ? kMostHeadBytes : connection.whole;
+  if (connection.bytes.size() > most) return drop(connection.socket);
+  if (connection.whole == 0 || connection.bytes.size() < connection.whole) return;
   const std::lock_guard lock(mutex_);
   if (whole_.size() >= kMostQueued) return drop(connection.socket);
-  whole_.push_back({std::exchange(connection.socket, -1), std::move(connection.bytes), 0});
+  whole_.push_back(
+      {.socket = std::exchange(connection.socket, -1), .bytes = std::move(connection.bytes)});
   queued_.notify_one();
+}
+
+size_t GatedServer::size_of_whole(const std::string& bytes) const {
+  const size_t end = bytes.find("\r\n\r\n");
+  if (end == std::string::npos || end > kMostHeadBytes) return 0;
+  const std::string_view head(bytes.data(), end);
+  const size_t without_body = bytes.size();  // What has come is all that is read.
+  if (!most_body_) return without_body;
+  const size_t length = content_length_of(head);
+  return length > most_body_(head) ? without_body : end + 4 + length;
 }
 
 void GatedServer::answer() {

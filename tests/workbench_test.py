@@ -1,0 +1,314 @@
+#!/usr/bin/env python3
+"""`seam workbench`: a whole journey through its interface (docs/reference/workbench_api.md), what it refuses, and that
+what was shown as saved is there.
+
+Usage: workbench_test.py SEAM SOURCE_DIR [unittest arguments]
+"""
+import contextlib
+import json
+import os
+import pathlib
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import urllib.error
+import urllib.request
+
+import by_hand
+
+SEAM, SOURCE = by_hand.arguments("seam", "source")
+LIMIT_S = 120
+
+
+class Answer:
+    def __init__(self, status, headers, content):
+        self.status, self.headers, self.content = status, headers, content
+
+    @property
+    def json(self):
+        return json.loads(self.content)
+
+
+class Page:
+    """What a browser would be: the address that the program printed, and the cookie that it got for the token."""
+
+    def __init__(self, folder, *arguments, enter=True):
+        self.process = subprocess.Popen(
+            [SEAM, "workbench", *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            stdin=subprocess.DEVNULL, cwd=folder, env=dict(os.environ, XDG_STATE_HOME=str(folder)))
+        self.address, _, self.token = self.process.stdout.readline().strip().partition("#token=")
+        if not self.address:
+            raise AssertionError(self.process.communicate()[1])
+        self.headers = {}
+        if enter:
+            entered = self.ask("enter", {"token": self.token})
+            cookie = entered.headers["Set-Cookie"]
+            assert "HttpOnly" in cookie and "SameSite=Strict" in cookie, cookie
+            self.headers = {"Cookie": cookie.split(";")[0]}
+
+    def ask(self, what, body=None, method=None, headers=None, content=None):
+        data = content if content is not None else None if body is None else json.dumps(body).encode()
+        path = what if what.startswith("/") else f"/api/{what}"
+        request = urllib.request.Request(self.address.rstrip("/") + path, data=data, method=method,
+                                         headers={**self.headers, **(headers or {})})
+        try:
+            with urllib.request.urlopen(request, timeout=LIMIT_S) as answer:
+                return Answer(answer.status, answer.headers, answer.read())
+        except urllib.error.HTTPError as error:
+            return Answer(error.code, error.headers, error.read())
+
+    @property
+    def state(self):
+        return self.ask("state").json
+
+    def change(self, what, **body):
+        return self.ask(what, {"revision": self.state["revision"], **body})
+
+    def until(self, found):
+        """Waits until it gives something."""
+        end = time.monotonic() + LIMIT_S
+        while time.monotonic() < end:
+            result = found()
+            if result:
+                return result
+            time.sleep(0.05)
+        raise AssertionError(f"nothing came; the last state: {self.state}")
+
+    def table(self, what):
+        """Columns of a binary table, once it is there."""
+        def read():
+            answer = self.ask(what)
+            assert answer.status in (200, 202), answer.content
+            return answer if answer.status == 200 else None
+        content = self.until(read).content
+        length, = struct.unpack_from("<I", content)
+        head = json.loads(content[4:4 + length])
+        columns = {}
+        for k, name in enumerate(head["columns"]):
+            columns[name] = struct.unpack_from(f"<{head['n']}f", content, 4 + length + 4 * head["n"] * k)
+        return head, columns
+
+    def version(self, name):
+        return next(one for one in self.state["versions"] if one["id"] == name)
+
+    def looked_at(self, name):
+        return self.until(lambda: (one := self.version(name))["error"] is not None and one)
+
+    def end(self, number=signal.SIGTERM):
+        self.process.send_signal(number)
+        self.process.wait(timeout=30)
+        self.process.stdout.close()
+        self.process.stderr.close()
+
+
+class Workbench(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = tempfile.TemporaryDirectory()
+        cls.made = pathlib.Path(cls.scratch.name) / "made/room"
+        subprocess.run([SEAM, "measure", "--model", SOURCE / "docs/tutorial/robot.yaml", "--protocol",
+                        SOURCE / "docs/tutorial/room", "--seed", "1", "--out", cls.made], check=True, capture_output=True)
+        shutil.copy(SOURCE / "docs/tutorial/nominal.yaml", cls.made)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.scratch.cleanup()
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(dir=self.scratch.name))
+        self.data = self.folder / "room"
+        shutil.copytree(self.made, self.data)
+        self.session = self.folder / "work"
+
+    @contextlib.contextmanager
+    def page(self, *arguments, **options):
+        page = Page(self.folder, *(arguments or (self.data, "--session", self.session)), **options)
+        try:
+            yield page
+        finally:
+            if page.process.poll() is None:
+                page.end()
+
+    def test_the_whole_journey(self):
+        with self.page() as page:
+            first = page.looked_at("001")
+            self.assertGreater(first["error"], 2)
+            self.assertEqual(first["structure"][0]["covariate"], "row*pan_rate")
+            set_ = page.until(lambda: (now := page.state["set"])["rows"] and now)
+            self.assertEqual((set_["kind"], set_["file"], set_["group"]), ("points", "points.csv", "frame"))
+            self.assertIn({"name": "u_px", "unit": "px"}, [{k: c[k] for k in ("name", "unit")} for c in set_["columns"]])
+            head, rows = page.table("rows?version=001")
+            self.assertEqual(head["n"], set_["rows"])
+            self.assertTrue({"line", "group", "held_out", "row", "pan_rate", "r:u_px", "s:v_px"} <= rows.keys())
+            candidate = page.until(lambda: next((c for c in page.ask("search?version=001").json["candidates"]
+                                                 if c["effect"] == "rolling_shutter"), None))
+            self.assertLess(candidate["error"], 1.2)
+            head, fitted = page.table("preview?version=001&effect=rolling_shutter")
+            self.assertIn(head["how"], ("fit", "linear"))
+            self.assertLess(sum(r * r for r in fitted["r:u_px"]), 0.1 * sum(r * r for r in rows["r:u_px"]))
+            state = page.change("add", effect="rolling_shutter").json
+            self.assertEqual(state["current"], "002")
+            self.assertIn("seam add rolling_shutter", state["command"])
+            self.assertAlmostEqual(page.looked_at("002")["error"], 1, delta=0.05)
+            self.assertEqual(page.change("undo").json["current"], "001")
+            self.assertEqual(page.change("redo").json["current"], "002")
+            page.change("undo")
+            state = page.change("add", effect="frame_latency").json  # A branch.
+            self.assertEqual([(v["id"], v["parent"]) for v in state["versions"]],
+                             [("001", None), ("002", "001"), ("003", "001")])
+            formula = {"stage": "geometry", "name": "shift", "text": 'u: "u + k"\nparameters:\n  k: {neutral: 0}\n'}
+            self.assertEqual(page.ask("formula/check", formula).json, {"ok": True, "parameters": ["k"]})
+            wrong = page.ask("formula/check", {**formula, "text": 'u: "u + nonsense"\n'}).json
+            self.assertIs(wrong["ok"], False)
+            self.assertIn("nonsense", wrong["error"])
+            page.change("goto", version="002")
+            self.assertEqual(page.change("formula/fit", **formula).json["current"], "004")
+            page.table("rows?version=004")
+            page.change("note", version="004", note="an 'idea'\nto keep")
+            self.assertEqual(page.change("leave-out", ranges=[[0, 2], [7, 7]], reason="blurred, all").json["current"], "005")
+            left_out = page.state["left_out"]
+            self.assertEqual(left_out, [{"ranges": [[0, 2], [7, 7]], "count": 4, "reason": "blurred; all"}])
+            self.assertEqual((self.session / "left-out.csv").read_text(),
+                             "row,reason\n2,blurred; all\n3,blurred; all\n4,blurred; all\n9,blurred; all\n")
+            page.looked_at("005")
+            head, rows = page.table("rows?version=005")
+            self.assertEqual(head["n"], set_["rows"])
+            self.assertEqual([i for i, out in enumerate(rows["left_out"]) if out], [0, 1, 2, 7])
+            self.assertNotEqual(rows["r:u_px"][7], rows["r:u_px"][7])  # No value.
+            page.change("fit")
+            before = page.state
+            exported = page.ask("export?what=model&version=002")
+            self.assertEqual(exported.content, (self.session / "versions/002.yaml").read_bytes())
+            script = page.ask("script").content
+        with self.page() as page:  # Another process: nothing is lost.
+            after = page.state
+            for key in ("revision", "current", "left_out", "selection"):
+                self.assertEqual(after[key], before[key])
+            self.assertEqual([(v["id"], v["name"], v["note"], v["command"]) for v in after["versions"]],
+                             [(v["id"], v["name"], v["note"], v["command"]) for v in before["versions"]])
+        self.repeats(script)
+
+    def repeats(self, script):
+        (self.folder / "again.sh").write_bytes(script)
+        done = subprocess.run(["sh", "again.sh", "again"], cwd=self.folder, capture_output=True, text=True,
+                              env=dict(os.environ, SEAM=str(SEAM)))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        files = sorted(path.name for path in (self.session / "versions").iterdir())
+        self.assertEqual(files, sorted(path.name for path in (self.folder / "again/versions").iterdir()))
+        for name in ["left-out.csv", *(f"versions/{file}" for file in files)]:
+            self.assertEqual((self.folder / "again" / name).read_bytes(), (self.session / name).read_bytes(), name)
+
+    def test_two_tabs(self):
+        with self.page() as page:
+            page.table("rows?version=001")
+            old = page.state["revision"]
+            page.change("note", version="001", note="mine")
+            late = page.ask("note", {"revision": old, "version": "001", "note": "theirs"})
+            self.assertEqual((late.status, late.json["revision"]), (409, old + 1))
+            self.assertEqual(page.version("001")["note"], "mine")
+            page.ask("selection", {"ranges": [[1, 3]]}, method="PUT")
+            self.assertEqual(page.state["selection"], [[1, 3]])
+
+    def test_events_number_and_resume(self):
+        with self.page() as page:
+            page.table("rows?version=001")
+            page.ask("cancel", {})
+
+            def read(headers):
+                request = urllib.request.Request(f"{page.address}api/events", headers={**page.headers, **headers})
+                with urllib.request.urlopen(request, timeout=LIMIT_S) as stream:
+                    event = {}
+                    while (line := stream.readline().decode().rstrip("\n")) or not event:
+                        key, _, value = line.partition(": ")
+                        if value:  # No comment.
+                            event[key] = value
+                    return event
+
+            first = read({})
+            self.assertEqual(first["event"], "state")
+            page.change("note", version="001", note="one")
+            again = read({"Last-Event-ID": first["id"]})
+            self.assertGreater(int(again["id"]), int(first["id"]))
+
+    def test_killed_it_leaves_a_readable_session(self):
+        with self.page() as page:
+            page.table("rows?version=001")
+            page.change("note", version="001", note="kept")
+            page.end(signal.SIGKILL)
+        with self.page() as page:
+            self.assertEqual(page.version("001")["note"], "kept")
+
+    def test_who_may_ask(self):
+        with self.page(enter=False) as page:
+            self.assertEqual(page.ask("state").status, 401)
+            self.assertEqual(page.ask("enter", {"token": "0" * 64}).status, 401)
+            self.assertEqual(page.ask("state", headers={"Cookie": "seam-1=" + page.token}).status, 401)
+        with self.page() as page:
+            self.assertEqual(page.ask("state").status, 200)
+            self.assertEqual(page.ask("state", headers={"Host": "evil.example"}).status, 403)
+            for origin in ("http://evil.example", "null", "http://127.0.0.1:1"):
+                self.assertEqual(page.ask("cancel", {}, headers={"Origin": origin}).status, 403, origin)
+            self.assertEqual(page.ask("state", headers={"Sec-Fetch-Site": "same-site"}).status, 403)
+            self.assertEqual(page.ask("cancel", {}, headers={"Origin": page.address.rstrip("/")}).status, 200)
+            policy = page.ask("state").headers["Content-Security-Policy"]
+            self.assertIn("script-src 'self'", policy)
+            self.assertNotIn("script-src 'self' 'unsafe-inline'", policy)
+
+    def test_only_what_was_opened(self):
+        other = self.folder / "other"
+        shutil.copytree(self.made, other)
+        with self.page() as page:
+            self.assertEqual(page.ask("open", {"path": str(other)}).status, 403)
+            for path in ("/../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "/api/preview?version=001&effect=../compare",
+                         "/api/rows?version=../001", "/api/export?what=model&version=../../room/nominal"):
+                answer = page.ask(path)
+                self.assertIn(answer.status, (400, 404), path)
+                self.assertNotIn(b"root:", answer.content)
+            self.assertEqual(page.change("add", effect="../../room/nominal.yaml").status, 400)
+            self.assertEqual(page.change("add", effect="--out").status, 400)
+            body = (b'--b\r\nContent-Disposition: form-data; name="files"; filename="../../evil"\r\n\r\nx\r\n--b--\r\n')
+            sent = page.ask("upload", content=body, headers={"Content-Type": "multipart/form-data; boundary=b"})
+            self.assertEqual(sent.status, 400)
+            self.assertFalse((self.folder.parent / "evil").exists())
+
+    def test_names_are_text(self):
+        text = (self.data / "measurement.yaml").read_text()
+        title = next(line for line in text.splitlines() if line.startswith("title:"))
+        (self.data / "measurement.yaml").write_text(text.replace(title, "title: <script>alert(1)</script>"))
+        with self.page() as page:
+            answer = page.ask("state")
+            self.assertEqual(answer.json["set"]["title"], "<script>alert(1)</script>")
+            self.assertEqual(answer.headers["Content-Type"], "application/json")
+            self.assertEqual(answer.headers["X-Content-Type-Options"], "nosniff")
+
+    def test_what_cannot_be_saved_is_said(self):
+        with self.page() as page:
+            page.table("rows?version=001")
+            page.ask("cancel", {})
+            saved = (self.session / "session.json").read_bytes()
+            (self.session / "session.json").unlink()  # As a disk that takes nothing more: no file of that name can be made.
+            (self.session / "session.json").mkdir()
+            refused = page.change("note", version="001", note="lost")
+            self.assertEqual(refused.status, 507)
+            self.assertIn("not saved", refused.json["error"])
+            self.assertEqual(page.version("001")["note"], "")
+            (self.session / "session.json").rmdir()
+            (self.session / "session.json").write_bytes(saved)
+            self.assertEqual(page.change("note", version="001", note="kept").status, 200)
+
+    def test_what_it_refuses_at_the_terminal(self):
+        for arguments, said in ((["nowhere"], "nowhere"), ([self.folder], "measurement.yaml"),
+                                ([self.data, "--model", "m.yaml"], "--look")):
+            done = subprocess.run([SEAM, "workbench", *arguments], cwd=self.folder, capture_output=True, text=True,
+                                  stdin=subprocess.DEVNULL, timeout=30)
+            self.assertIn(done.returncode, (1, 2), done.stdout)
+            self.assertIn(said, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

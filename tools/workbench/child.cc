@@ -1,0 +1,134 @@
+#include "tools/workbench/child.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "sim_core/base/error.h"
+#include "sim_core/system/own_files.h"
+
+namespace seam::tools {
+namespace {
+
+constexpr size_t kMostErrorBytes = 16384;
+
+// Both ends of a pipe, closed when they go.
+struct Pipe {
+  Pipe() {
+    if (::pipe2(ends, O_CLOEXEC) != 0) throw InputError("the system grants no pipe for a command");
+  }
+  ~Pipe() {
+    close_end(0);
+    close_end(1);
+  }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+  void close_end(int end) {
+    if (ends[end] >= 0) ::close(ends[end]);
+    ends[end] = -1;
+  }
+  int ends[2] = {-1, -1};
+};
+
+// Reads what is there; false at the end.
+bool take(int from, std::string& text) {
+  char bytes[65536];
+  const ssize_t size = ::read(from, bytes, sizeof bytes);
+  if (size < 0) return errno == EINTR || errno == EAGAIN;
+  text.append(bytes, static_cast<size_t>(size));
+  return size > 0;
+}
+
+void give_lines(std::string& text, const Child::Line& line) {
+  size_t at = 0;
+  for (size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', at)) {
+    if (line) line(std::string_view(text).substr(at, end - at));
+    at = end + 1;
+  }
+  text.erase(0, at);
+}
+
+}  // namespace
+
+void Child::start(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                  int output, int errors) {
+  const std::string program = program_file();
+  std::vector<char*> argv = {const_cast<char*>(program.c_str())};
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  const pid_t parent = ::getpid();
+  const std::lock_guard lock(mutex_);
+  if (stopped_) return;
+  process_ = ::fork();
+  if (process_ < 0) {
+    process_ = 0;
+    throw InputError("the system starts no process for a command");
+  }
+  if (process_ > 0) return;
+  // Between fork and exec: async-signal-safe calls only.
+  ::setpgid(0, 0);  // Ctrl-C of the terminal reaches the server alone.
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != parent) ::_exit(127);
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  const int input = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+  if (::dup2(input, STDIN_FILENO) < 0 || ::dup2(output, STDOUT_FILENO) < 0 ||
+      ::dup2(errors, STDERR_FILENO) < 0 || ::chdir(folder.c_str()) != 0)
+    ::_exit(127);
+  ::close_range(STDERR_FILENO + 1, ~0U, 0);  // Connections of the page.
+  ::execv(argv[0], argv.data());
+  ::_exit(127);
+}
+
+Child::Ended Child::run(const std::vector<std::string>& arguments,
+                        const std::filesystem::path& folder, const Line& line) {
+  Pipe output, errors;
+  start(arguments, folder, output.ends[1], errors.ends[1]);
+  output.close_end(1);
+  errors.close_end(1);
+  Ended ended;
+  if (process_ == 0) return {.code = 137, .errors = {}, .stopped = true};
+  std::string text;
+  bool open[2] = {true, true};
+  while (open[0] || open[1]) {
+    pollfd ready[2] = {{open[0] ? output.ends[0] : -1, POLLIN, 0},
+                       {open[1] ? errors.ends[0] : -1, POLLIN, 0}};
+    if (::poll(ready, 2, -1) < 0 && errno != EINTR) break;
+    if (ready[0].revents != 0) open[0] = take(output.ends[0], text);
+    if (ready[1].revents != 0) open[1] = take(errors.ends[0], ended.errors);
+    if (ended.errors.size() > 2 * kMostErrorBytes)
+      ended.errors.erase(0, ended.errors.size() - kMostErrorBytes);
+    give_lines(text, line);
+  }
+  siginfo_t gone{};
+  while (::waitid(P_PID, static_cast<id_t>(process_), &gone, WEXITED | WNOWAIT) < 0 &&
+         errno == EINTR) {
+  }
+  // Its number may be another's once it is reaped.
+  const std::lock_guard lock(mutex_);
+  int status = 0;
+  ::waitpid(process_, &status, 0);
+  process_ = 0;
+  ended.stopped = stopped_;
+  ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return ended;
+}
+
+void Child::stop() {
+  const std::lock_guard lock(mutex_);
+  stopped_ = true;
+  if (process_ > 0) ::kill(-process_, SIGKILL);
+}
+
+void Child::allow() {
+  const std::lock_guard lock(mutex_);
+  stopped_ = false;
+}
+
+}  // namespace seam::tools

@@ -1,0 +1,89 @@
+// What the page works at: one opened set with its session, what is known of each version, and the
+// engine. Every change is saved before it is shown.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tools/workbench/events.h"
+#include "tools/workbench/look/columns.h"
+#include "tools/workbench/looked.h"
+#include "tools/workbench/looking.h"
+#include "tools/workbench/session.h"
+
+namespace seam::tools {
+
+class Desk {
+ public:
+  Desk();
+
+  Events& events() { return events_; }
+  // Opens the session of a set, begins one where there is none.
+  void open(const std::filesystem::path& data, const std::filesystem::path& session);
+  // Places that the page may offer, for the state.
+  void offer(nlohmann::json recent, nlohmann::json samples);
+
+  nlohmann::json state();
+  nlohmann::json search(const std::string& version);
+  std::string script();
+  // A file of what was computed of a version; empty where it is not there yet. Throws Refusal
+  // where it will not come.
+  std::filesystem::path computed(const std::string& version, const std::string& name);
+  std::filesystem::path model(const std::string& version);
+  nlohmann::json line(int64_t row);
+
+  void add(uint64_t revision, const std::string& effect);
+  // An effect as a formula: its stage and the lines that follow it in a file of effects.
+  void add_formula(uint64_t revision, const std::string& stage, const std::string& name,
+                   const std::string& text);
+  void refit(uint64_t revision);
+  void undo(uint64_t revision);
+  void redo(uint64_t revision);
+  void go_to(uint64_t revision, const std::string& version);
+  void note(uint64_t revision, const std::string& version, const std::string& text);
+  using Ranges = std::vector<std::pair<int64_t, int64_t>>;
+  void leave_out(uint64_t revision, const Ranges& ranges, const std::string& reason);
+  void take_back(uint64_t revision, const Ranges& ranges);
+  void select(const Ranges& ranges);
+  void cancel();
+  // The answer of a command that reads alone and writes JSON to the file behind its last option.
+  nlohmann::json ask(std::vector<std::string> command, const std::string& name);
+  // Of the model and set, as commands name them in the session's folder.
+  std::vector<std::string> of_current();
+
+ private:
+  Session& session();  // Throws Refusal where nothing is open.
+  void save(SessionState next);
+  void commit(Version version);
+  void make(uint64_t revision, Version version, std::vector<std::string> command);
+  std::vector<std::string> about(const Version& version, const std::string& left_out) const;
+  const std::vector<int>& lines_of_rows() const;
+  std::vector<int> lines_of(const Ranges& ranges) const;
+  void look_at_current();
+  void look(const Version& version);
+  void said(const std::string& version, const nlohmann::json& event);
+  void ended(const std::string& version, const std::string& trouble, bool cancelled);
+  nlohmann::json set_json() const;
+  nlohmann::json version_json(const Version& version) const;
+  nlohmann::json state_unlocked() const;
+
+  Events events_;
+  mutable std::mutex mutex_;
+  std::mutex changing_;  // One change at a time, which may take long.
+  std::unique_ptr<Session> session_;
+  std::map<std::string, Looked> looked_;
+  mutable std::vector<int> lines_;  // Of all rows of the set; empty: not known yet.
+  nlohmann::json set_;              // What is known of it before any look.
+  nlohmann::json job_;
+  std::string command_;  // What the last click was.
+  nlohmann::json recent_ = nlohmann::json::array(), samples_ = nlohmann::json::array();
+  std::unique_ptr<Looking> looking_;  // The last: it calls the others.
+};
+
+}  // namespace seam::tools

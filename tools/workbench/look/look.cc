@@ -1,0 +1,224 @@
+#include "tools/workbench/look/look.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "measurement/numerics/parallel_for.h"
+#include "measurement/report/data_pictures.h"
+#include "measurement/report/finite_or_null.h"
+#include "measurement/search/models/compare.h"
+#include "sim_core/base/error.h"
+#include "tools/workbench/look/model_told.h"
+#include "tools/workbench/look/row_table.h"
+#include "tools/workbench/look/set_told.h"
+
+namespace seam::tools {
+namespace {
+
+using measurement::Candidate;
+using measurement::Evaluation;
+using measurement::Grown;
+using measurement::Problem;
+using measurement::Prospect;
+using measurement::SearchResult;
+using nlohmann::json;
+
+constexpr const char* kOrder =
+    "the log-likelihood of all rows, less a price for each parameter; the simplest of equals first";
+
+void say(const json& event) {
+  std::printf("%s\n", event.dump().c_str());
+  std::fflush(stdout);
+}
+
+// Effects that these data do not separate, and the measurement that would.
+json ties_of(const Problem& problem, const std::vector<Candidate>& candidates) {
+  json ties = json::array();
+  std::vector<std::string> taken;
+  for (const Candidate& candidate : candidates) {
+    const std::string& name = candidate.effect->name;
+    if (candidate.indistinguishable_from.empty() || std::ranges::find(taken, name) != taken.end())
+      continue;
+    std::vector<std::string> tied = {name};
+    tied.insert(tied.end(), candidate.indistinguishable_from.begin(),
+                candidate.indistinguishable_from.end());
+    taken.insert(taken.end(), tied.begin(), tied.end());
+    ties.push_back({{"effects", tied}, {"advice", problem.advice(name, tied[1])}});
+  }
+  return ties;
+}
+
+json values_told(const measurement::Assessment& assessment, const std::string& effect) {
+  measurement::Model model = assessment.model;
+  write_sigmas(model, assessment.unknowns, assessment.fit);
+  const json effects = effects_told(model);
+  return effects.contains(effect) ? effects[effect] : json::object();
+}
+
+class Looker {
+ public:
+  Looker(const AnalysisFlags& flags, std::filesystem::path out)
+      : flags_(flags), out_(std::move(out)), model_(read_model(flags.model)) {}
+
+  void run() {
+    problem_ = open_problem(flags_);
+    compare();
+    tell_set();
+    see_prospects();
+    fit_prospects();
+    write("search.json", search_text(/*ended=*/true));
+    say({{"event", "search"}});
+  }
+
+ private:
+  void write(const std::string& name, const std::string& content) const {
+    write_file_atomically(out_ / name, content);
+  }
+
+  void compare() {
+    const auto result = measurement::compare(*problem_, model_, flags_.material);
+    doubts_ = doubts_about(flags_, model_, result.base.assessment.error);
+    result_.base = result_.best = result.base;
+    result_.base_structure = result.structure;
+    write("compare.json", compare_json(*problem_, result, doubts_));
+    measurement::Model fitted = result.base.assessment.model;
+    write_sigmas(fitted, result.base.assessment.unknowns, result.base.assessment.fit);
+    write("model.json", effects_told(fitted).dump());
+    write_rows();
+    say({{"event", "compared"}});
+  }
+
+  void write_rows() {
+    const auto groups = problem_->all_groups();
+    const measurement::Model& fitted = result_.base.assessment.model;
+    const measurement::ResidualView view = problem_->residual_view(fitted, groups);
+    if (!flags_.leave_out.empty()) {
+      AnalysisFlags whole = flags_;
+      whole.leave_out.clear();
+      whole_ = open_problem(whole);
+      whole_->prepare(model_);
+    }
+    const Problem& all = whole_ ? *whole_ : *problem_;
+    table_.emplace(all, *problem_);
+    write("rows.bin", whole_
+                          ? table_->rows(whole_->residual_view(fitted, whole_->all_groups()), view)
+                          : table_->rows(view, view));
+    json plots = json::object();
+    append_data_pictures(*problem_, open_set(flags_), view, nullptr, plots);
+    write("data.json", plots.dump());
+  }
+
+  void tell_set() {
+    write("set.json", set_told(whole_ ? *whole_ : *problem_, flags_, doubts_).dump());
+    say({{"event", "set"}});
+  }
+
+  void see_prospects() {
+    const Grown& base = result_.base;
+    effects_ = absent_effects(*problem_, base.assessment.model, {});
+    prospects_.resize(effects_.size());
+    std::vector<std::vector<measurement::NotTestable>> reasons(effects_.size());
+    const auto near = start_of_prospects(*problem_, base.assessment.model);
+    measurement::parallel_for(effects_.size(), [&](size_t i) {
+      prospects_[i] = prospect_of(*problem_, base, effects_[i], reasons[i], /*alone=*/false,
+                                  near ? &*near : nullptr);
+      const std::lock_guard lock(mutex_);
+      say({{"event", "progress"},
+           {"what", "effects looked at"},
+           {"done", ++done_},
+           {"of", effects_.size()}});
+    });
+    for (size_t i = 0; i < effects_.size(); ++i) {
+      auto& list = result_.first.not_testable;
+      list.insert(list.end(), reasons[i].begin(), reasons[i].end());
+      result_.first.tried += prospects_[i].has_value();
+    }
+  }
+
+  void preview(const std::string& effect, const measurement::Model& model, json head) {
+    const auto view = problem_->residual_view(model, problem_->all_groups());
+    write("fit-" + effect + ".bin", table_->residuals(view, std::move(head)));
+    const std::lock_guard lock(mutex_);
+    say({{"event", "preview"}, {"effect", effect}});
+  }
+
+  // What promises most first, so that the answer comes early.
+  std::vector<size_t> order() const {
+    std::vector<size_t> order;
+    for (size_t i = 0; i < effects_.size(); ++i) {
+      if (prospects_[i]) order.push_back(i);
+    }
+    const auto class_of = [&](size_t i) {
+      return effects_[i]->spread_only ? 2 : std::isfinite(prospects_[i]->expected.all) ? 0 : 1;
+    };
+    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+      if (class_of(a) != class_of(b)) return class_of(a) < class_of(b);
+      return class_of(a) == 0 && prospects_[a]->expected.all > prospects_[b]->expected.all;
+    });
+    return order;
+  }
+
+  void fit_prospects() {
+    const Evaluation here =
+        problem_->evaluate_held_out(result_.base.assessment.model, problem_->scored_groups());
+    const std::vector<size_t> worth = order();
+    done_ = 0;
+    to_do_ = worth.size();
+    measurement::parallel_for(worth.size(), [&](size_t k) { fit(*prospects_[worth[k]], here); });
+  }
+
+  void fit(const Prospect& prospect, const Evaluation& here) {
+    std::vector<measurement::NotTestable> reasons;
+    auto candidate = fit_prospect(*problem_, result_.base, prospect, reasons);
+    if (candidate) {
+      judge(*problem_, result_.base, here, result_.first.tried, flags_.material, *candidate);
+      const measurement::Assessment& after = candidate->grown.assessment;
+      preview(candidate->effect->name, after.model,
+              {{"error", measurement::finite_or_null<json>(after.error)},
+               {"parameters", values_told(after, candidate->effect->name)},
+               {"how", "fit"}});
+    }
+    const std::lock_guard lock(mutex_);
+    auto& list = result_.first.not_testable;
+    list.insert(list.end(), reasons.begin(), reasons.end());
+    if (candidate) result_.first.candidates.push_back(std::move(*candidate));
+    ++done_;
+    write("search.json", search_text(/*ended=*/false));
+    say({{"event", "search"}, {"what", "fitted effects"}, {"done", done_}, {"of", to_do_}});
+  }
+
+  std::string search_text(bool ended) {
+    for (Candidate& candidate : result_.first.candidates) candidate.indistinguishable_from.clear();
+    rank_candidates(result_.first.candidates);
+    const json fields = json::parse(diagnose_json(*problem_, result_));
+    json search = {{"candidates", fields["candidates"]}, {"not_testable", fields["not_testable"]}};
+    search["ties"] = ties_of(*problem_, result_.first.candidates);
+    search["ordered_by"] = kOrder;
+    search["ended"] = ended;
+    return search.dump();
+  }
+
+  const AnalysisFlags& flags_;
+  const std::filesystem::path out_;
+  const measurement::Model model_;
+  std::unique_ptr<Problem> problem_, whole_;
+  std::optional<RowTable> table_;
+  measurement::Doubts doubts_;
+  SearchResult result_;
+  measurement::EffectList effects_;
+  std::vector<std::optional<Prospect>> prospects_;
+  std::mutex mutex_;
+  size_t done_ = 0, to_do_ = 0;
+};
+
+}  // namespace
+
+void look_into(const AnalysisFlags& flags, const std::filesystem::path& out) {
+  Looker(flags, out).run();
+}
+
+}  // namespace seam::tools

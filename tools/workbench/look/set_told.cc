@@ -1,0 +1,104 @@
+#include "tools/workbench/look/set_told.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "measurement/check/describe.h"
+#include "measurement/report/finite_or_null.h"
+#include "sim_core/base/error.h"
+
+namespace seam::tools {
+namespace {
+
+using measurement::CsvTable;
+using measurement::finite_or_null;
+using nlohmann::json;
+
+// Units stand at the end of a column's name.
+std::string unit_of(const std::string& column) {
+  static constexpr std::pair<const char*, const char*> kUnits[] = {
+      {"_radps", "rad/s"}, {"_mps", "m/s"}, {"_rad", "rad"}, {"_px", "px"},
+      {"_nm", "N m"},      {"_m", "m"},     {"_s", "s"},     {"_v", "V"}};
+  for (const auto& [suffix, unit] : kUnits) {
+    if (column.ends_with(suffix)) return unit;
+  }
+  return "";
+}
+
+json column_told(const CsvTable& table, const std::string& file, const std::string& name) {
+  json column = {{"name", name}, {"unit", unit_of(name)}, {"file", file}};
+  const std::vector<std::string> texts = table.texts(name);
+  column["missing"] = std::count(texts.begin(), texts.end(), "");
+  try {
+    double low = INFINITY, high = -INFINITY;
+    for (const double value : table.numbers_or_blank(name)) {
+      if (std::isnan(value)) continue;
+      low = std::min(low, value), high = std::max(high, value);
+    }
+    column["low"] = finite_or_null<json>(low), column["high"] = finite_or_null<json>(high);
+  } catch (const InputError&) {  // A column of names.
+    column["low"] = column["high"] = nullptr;
+  }
+  return column;
+}
+
+json columns_told(const measurement::MeasurementSet& set) {
+  json columns = json::array();
+  for (const auto& [name, file] : set.files) {
+    if (!file.ends_with(".csv")) continue;
+    const CsvTable table = set.table(name);
+    for (const std::string& column : table.columns())
+      columns.push_back(column_told(table, file, column));
+  }
+  return columns;
+}
+
+// A sentence, with the row that it names as "file:LINE:".
+json doubt_told(const measurement::Facts& facts, const std::string& text) {
+  json doubt = {{"text", text}};
+  const std::string name = std::filesystem::path(facts.file).filename().string() + ":";
+  const size_t at = text.find(name);
+  if (at == std::string::npos) return doubt;
+  int line = 0;
+  std::from_chars(text.data() + at + name.size(), text.data() + text.size(), line);
+  const auto found = std::find(facts.line_of_row.begin(), facts.line_of_row.end(), line);
+  if (found == facts.line_of_row.end()) return doubt;
+  const auto row = found - facts.line_of_row.begin();
+  doubt["rows"] = {{row, row}};
+  return doubt;
+}
+
+}  // namespace
+
+json set_told(const measurement::Problem& problem, const AnalysisFlags& flags,
+              const measurement::Doubts& doubts) {
+  const measurement::Facts& facts = problem.facts();
+  const auto set = measurement::MeasurementSet::open(flags.data);
+  json noise = json::object();
+  bool estimated = false;
+  for (const measurement::Channel& channel : facts.channels) {
+    noise[channel.name] = finite_or_null<json>(channel.noise);
+    estimated = estimated || channel.estimated;
+  }
+  json fields = json::array();
+  const auto described = measurement::describe_set(set, std::nullopt);
+  for (const auto* list : {&doubts, &described.errors, &described.warnings}) {
+    for (const std::string& text : *list) fields.push_back(doubt_told(facts, text));
+  }
+  json set_json = {{"title", facts.title},
+                   {"kind", facts.kind()},
+                   {"file", std::filesystem::path(facts.file).filename().string()},
+                   {"rows", facts.rows()},
+                   {"groups", facts.groups.size()},
+                   {"group", set.group},
+                   {"noise", std::move(noise)},
+                   {"noise_estimated", estimated},
+                   {"columns", columns_told(set)},
+                   {"doubts", std::move(fields)}};
+  if (facts.width_px > 0)
+    set_json["image"] = {{"width_px", facts.width_px}, {"height_px", facts.height_px}};
+  return set_json;
+}
+
+}  // namespace seam::tools

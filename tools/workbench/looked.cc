@@ -1,0 +1,46 @@
+#include "tools/workbench/looked.h"
+
+#include <fstream>
+#include <iterator>
+
+namespace seam::tools {
+
+using nlohmann::json;
+
+json json_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return nullptr;
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  json found = json::parse(text, nullptr, /*allow_exceptions=*/false);
+  return found.is_discarded() ? json(nullptr) : found;
+}
+
+void Looked::read(const std::filesystem::path& folder) {
+  compare = json_of(folder / "compare.json");
+  effects = json_of(folder / "model.json");
+  set = json_of(folder / "set.json");
+  search = json_of(folder / "search.json");
+  diagnose = json_of(folder / "diagnose.json");
+}
+
+json search_told(const Looked& looked) {
+  json fields = {{"candidates", json::array()},
+                 {"ties", json::array()},
+                 {"not_testable", json::array()},
+                 {"advice", ""},
+                 {"ordered_by", ""}};
+  for (const char* key : {"candidates", "ties", "not_testable", "ordered_by"}) {
+    if (looked.search.is_object() && looked.search.contains(key)) fields[key] = looked.search[key];
+  }
+  if (looked.diagnose.is_object()) {
+    for (const char* key : {"candidates", "not_testable", "advice", "verdict", "headline",
+                            "explanation", "unnamed_cause", "outliers"}) {
+      if (looked.diagnose.contains(key)) fields[key] = looked.diagnose[key];
+    }
+  }
+  if (looked.cancelled) fields["cancelled"] = true;
+  if (!looked.trouble.empty()) fields["trouble"] = looked.trouble;
+  return fields;
+}
+
+}  // namespace seam::tools

@@ -1,0 +1,131 @@
+#include "tools/workbench/looking.h"
+
+#include "sim_core/base/error.h"
+#include "sim_core/system/thread.h"
+#include "tools/pages/refusal.h"
+
+namespace seam::tools {
+namespace {
+
+// What a command said is wrong, without the program's name before it.
+std::string trouble_of(const Child::Ended& ended) {
+  std::string text = ended.errors;
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  const size_t line = text.rfind("\nseam: ");
+  if (line != std::string::npos) text.erase(0, line + 1);
+  if (text.starts_with("seam: ")) text.erase(0, 6);
+  return text.empty() ? fmt::format("the command ended with code {}", ended.code) : text;
+}
+
+}  // namespace
+
+Looking::Looking(Said said, Ended ended) : said_(std::move(said)), ended_(std::move(ended)) {
+  thread_ = start_thread([this] { work(); });
+}
+
+Looking::~Looking() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  child_.stop();
+  changed_.notify_all();
+}
+
+void Looking::want(LookJob job) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (running_ == job.version || (wanted_ && wanted_->version == job.version)) return;
+    wanted_ = std::move(job);
+    if (!running_.empty()) child_.stop();
+  }
+  changed_.notify_all();
+}
+
+void Looking::cancel() {
+  const std::lock_guard lock(mutex_);
+  wanted_.reset();
+  cancelled_ = true;
+  child_.stop();
+}
+
+std::string Looking::running() const {
+  const std::lock_guard lock(mutex_);
+  return running_;
+}
+
+void Looking::run_alone(const std::vector<std::string>& command,
+                        const std::filesystem::path& folder) {
+  {
+    std::unique_lock lock(mutex_);
+    if (alone_) throw Refusal(409, "another change is being computed: wait for it, or cancel it");
+    alone_ = true;
+    wanted_.reset();
+    if (!running_.empty()) child_.stop();
+    changed_.wait(lock, [&] { return running_.empty(); });
+    child_.allow();
+  }
+  Child::Ended ended;
+  std::string failed;
+  try {
+    ended = child_.run(command, folder);
+  } catch (const std::exception& error) {
+    failed = error.what();
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    alone_ = false;
+  }
+  changed_.notify_all();
+  if (!failed.empty()) throw InputError(failed);
+  if (ended.stopped) throw Refusal(409, "cancelled; nothing was changed");
+  if (ended.code != 0) throw Refusal(400, trouble_of(ended));
+}
+
+void Looking::work() {
+  while (true) {
+    LookJob job;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [&] { return ending_ || (wanted_ && !alone_); });
+      if (ending_) return;
+      job = *std::move(wanted_);
+      wanted_.reset();
+      running_ = job.version;
+      cancelled_ = false;
+      child_.allow();
+    }
+    run(job);
+    {
+      const std::lock_guard lock(mutex_);
+      running_.clear();
+    }
+    changed_.notify_all();
+  }
+}
+
+void Looking::run(const LookJob& job) {
+  std::string trouble;
+  bool stopped = false;
+  for (const auto& command : job.commands) {
+    try {
+      const Child::Ended ended = child_.run(command, job.folder, [&](std::string_view line) {
+        const auto event = nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
+        if (event.is_object()) said_(job.version, event);
+      });
+      stopped = ended.stopped;
+      if (!stopped && ended.code != 0) trouble = trouble_of(ended);
+    } catch (const std::exception& error) {
+      trouble = error.what();
+    }
+    if (stopped || !trouble.empty()) break;
+  }
+  bool cancelled = false;
+  {
+    const std::lock_guard lock(mutex_);
+    cancelled = cancelled_;
+  }
+  ended_(job.version, trouble, stopped && cancelled);
+}
+
+}  // namespace seam::tools

@@ -1,0 +1,88 @@
+// A session of the workbench: models as they came about, in a folder that a person can read
+// (docs/workbench.md, "What a session is"). What the page shows as saved is in its files.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace seam::tools {
+
+// Rows of observations that are left out for one reason, by their lines in the file.
+struct LeftOut {
+  std::vector<int> lines;
+  std::string reason;
+};
+
+struct Version {
+  std::string id;      // "003": the name of versions/003.yaml.
+  std::string parent;  // Empty: none.
+  std::string name;    // What came with it: an effect, "nominal", "left out".
+  std::string note;
+  // How it was made, run in the session's folder: arguments of `seam`; empty: a copy of `copied`.
+  std::vector<std::string> arguments;
+  std::string copied;
+  std::string formula;            // The text of effects/ID.yaml, where its effect is a formula.
+  std::vector<LeftOut> left_out;  // Before it was made.
+};
+
+// What is in session.json.
+struct SessionState {
+  uint64_t revision = 0;
+  std::string data;  // The folder of the set, absolute.
+  std::string current;
+  std::vector<std::string> undone;  // What redo goes to, the next one last.
+  std::vector<std::pair<int64_t, int64_t>>
+      selection;  // Rows, the first and the last of each range.
+  std::vector<Version> versions;
+
+  const Version* find(const std::string& id) const;
+  const Version& version(const std::string& id) const;  // Throws Refusal.
+  std::string next_id() const;
+};
+
+class Session {
+ public:
+  // Opens the session in this folder, or begins one with a copy of this model. Throws InputError
+  // for a session of another set, and for one that cannot be read.
+  Session(std::filesystem::path folder, const std::filesystem::path& data);
+
+  const SessionState& state() const { return state_; }
+  const std::filesystem::path& folder() const { return folder_; }
+  std::filesystem::path model(const std::string& id) const;
+  // A folder for what can be computed again.
+  std::filesystem::path cache(const std::string& id) const;
+
+  // Writes the next state, with its left-out.csv, and then has it. Throws Refusal (507) where that
+  // cannot be written: all is as before.
+  void save(SessionState next);
+  // The same of what is no step of the work (a selection): the revision stays.
+  void keep(SessionState next);
+  // Throws Refusal (409) for a revision that is not the present one.
+  void expect(uint64_t revision) const;
+
+ private:
+  void begin(const std::filesystem::path& data);
+  void write(const SessionState& next) const;
+  void write_left_out(const SessionState& next) const;
+
+  std::filesystem::path folder_;
+  SessionState state_;
+};
+
+// The table that `--leave-out` reads.
+std::string left_out_table(const std::vector<LeftOut>& left_out);
+
+// A shell script that ends in the same versions and left-out.csv, in a folder that it is given.
+std::string script_of(const SessionState& state);
+// What made a version, as a person would type it in the session's folder.
+std::string command_of(const Version& version);
+
+nlohmann::json to_json(const SessionState& state);
+SessionState session_from(const nlohmann::json& json);
+
+}  // namespace seam::tools

@@ -1,0 +1,250 @@
+// `seam workbench`: a page on this machine to work on a model with (docs/workbench.md).
+#include <charconv>
+
+#include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
+#include "sim_core/input/json_input.h"
+#include "tools/command.h"
+#include "tools/workbench/desk.h"
+#include "tools/workbench/formula.h"
+#include "tools/workbench/look/look.h"
+#include "tools/workbench/places.h"
+
+namespace seam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using httplib::Request;
+using httplib::Response;
+using nlohmann::json;
+
+constexpr size_t kMostBody = size_t{512} << 20;  // Of files that are dropped on the page.
+constexpr int kThreads = 16;                     // Streams of events keep one each.
+constexpr const char* kPolicy =
+    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: "
+    "blob:; font-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'";
+
+struct Settings {
+  std::vector<std::string> named;
+  int port = 0;
+  std::string session, look;
+  AnalysisFlags flags;  // Of a look.
+};
+
+// The fields of a request's body.
+class Body {
+ public:
+  explicit Body(const Request& request) {
+    fields_ = request.body.empty() ? json::object()
+                                   : json_from_text(request.body, "the request", "an object");
+    if (!fields_.is_object()) throw UsageError("the request: expected an object");
+  }
+  template <class T>
+  T get(const char* name) const {
+    try {
+      return fields_.at(name).get<T>();
+    } catch (const json::exception&) {
+      throw UsageError(fmt::format("{}: found none or another kind of value", name));
+    }
+  }
+  uint64_t revision() const { return get<uint64_t>("revision"); }
+  std::string text(const char* name) const { return get<std::string>(name); }
+  Desk::Ranges ranges() const { return get<Desk::Ranges>("ranges"); }
+
+ private:
+  json fields_;
+};
+
+class Workbench {
+ public:
+  explicit Workbench(const Settings& settings) : places_(settings.named, settings.session) {
+    if (!settings.named.empty()) open(places_.to_open(settings.named.front()));
+    desk_.offer(places_.recent(), json::array());
+    add_reading();
+    add_changes();
+    add_formulas();
+  }
+
+  void serve(int port) { server_.serve(port, ""); }
+
+ private:
+  void open(const fs::path& data) {
+    desk_.open(data, places_.session_of(data));
+    places_.remember(data, desk_.state()["set"]);
+    desk_.offer(places_.recent(), json::array());
+  }
+
+  // A change answers with the state that it made.
+  void change(const std::string& name, std::function<void(const Body&)> action) {
+    server_.post("/api/" + name, [this, action](const Request& request, Response& response) {
+      action(Body(request));
+      answer_json(response, desk_.state());
+    });
+  }
+
+  void get_file(const std::string& name, const std::string& type,
+                std::function<std::string(const Request&)> file) {
+    server_.get("/api/" + name, [this, type, file](const Request& request, Response& response) {
+      const fs::path path = desk_.computed(request.get_param_value("version"), file(request));
+      if (path.empty()) return answer_json(response, json::object(), 202);
+      response.set_header("Cache-Control", "no-store");
+      response.set_content(read_file(path), type);
+    });
+  }
+
+  void add_reading() {
+    server_.get("/api/state", [this](const Request&, Response& response) {
+      answer_json(response, desk_.state());
+    });
+    server_.get("/api/events", [this](const Request& request, Response& response) {
+      desk_.events().answer(request, response, [this] { return desk_.state(); });
+    });
+    server_.get("/api/search", [this](const Request& request, Response& response) {
+      answer_json(response, desk_.search(request.get_param_value("version")));
+    });
+    server_.get("/api/script", [this](const Request&, Response& response) {
+      response.set_content(desk_.script(), "text/x-shellscript; charset=utf-8");
+    });
+    server_.get("/api/line", [this](const Request& request, Response& response) {
+      const std::string text = request.get_param_value("row");
+      int64_t row = -1;
+      std::from_chars(text.data(), text.data() + text.size(), row);
+      answer_json(response, desk_.line(row));
+    });
+    server_.get("/api/export", [this](const Request& request, Response& response) {
+      export_file(request, response);
+    });
+    get_file("rows", "application/octet-stream", [](const Request&) { return "rows.bin"; });
+    get_file("data", "application/json", [](const Request&) { return "data.json"; });
+    get_file("preview", "application/octet-stream", [](const Request& request) {
+      const std::string effect = request.get_param_value("effect");
+      if (effect.empty() || effect.find_first_of("/\\") != std::string::npos)
+        throw UsageError("effect: expected the name of one");
+      return "fit-" + effect + ".bin";
+    });
+  }
+
+  void export_file(const Request& request, Response& response) {
+    const std::string what = request.get_param_value("what");
+    const json state = desk_.state();
+    std::string version = request.get_param_value("version");
+    if (version.empty()) version = state.value("current", "");
+    std::string content, name, type = "application/octet-stream";
+    if (what == "script") {
+      content = desk_.script(), name = "session.sh";
+    } else if (what == "model") {
+      content = read_file(desk_.model(version)), name = version + ".yaml";
+    } else if (what == "session") {
+      content = read_file(fs::path(state.value("session", "")) / "session.json");
+      name = "session.json", type = "application/json";
+    } else if (what == "report") {
+      const fs::path file = desk_.computed(version, "report.html");
+      if (file.empty()) return answer_json(response, json::object(), 202);
+      content = read_file(file), name = "report-" + version + ".html";
+    } else {
+      throw UsageError("what: expected report, model, script or session");
+    }
+    response.set_header("Content-Disposition", "attachment; filename=\"" + name + "\"");
+    response.set_content(content, type.c_str());
+  }
+
+  void add_changes() {
+    change("add", [this](const Body& body) { desk_.add(body.revision(), body.text("effect")); });
+    change("fit", [this](const Body& body) { desk_.refit(body.revision()); });
+    change("undo", [this](const Body& body) { desk_.undo(body.revision()); });
+    change("redo", [this](const Body& body) { desk_.redo(body.revision()); });
+    change("goto",
+           [this](const Body& body) { desk_.go_to(body.revision(), body.text("version")); });
+    change("note", [this](const Body& body) {
+      desk_.note(body.revision(), body.text("version"), body.text("note"));
+    });
+    change("leave-out", [this](const Body& body) {
+      desk_.leave_out(body.revision(), body.ranges(), body.text("reason"));
+    });
+    change("take-back",
+           [this](const Body& body) { desk_.take_back(body.revision(), body.ranges()); });
+    change("cancel", [this](const Body&) { desk_.cancel(); });
+    change("open", [this](const Body& body) { open(places_.to_open(body.text("path"))); });
+    server_.put("/api/selection", [this](const Request& request, Response& response) {
+      desk_.select(Body(request).ranges());
+      answer_json(response, json::object());
+    });
+    server_.post("/api/upload", [this](const Request& request, Response& response) {
+      open(places_.take_in(request.files));
+      answer_json(response, desk_.state());
+    });
+  }
+
+  void add_formulas() {
+    server_.get("/api/formula", [this](const Request&, Response& response) {
+      const json set = desk_.state()["set"];
+      answer_json(response, formula_stages_told(set.is_object() ? set.value("kind", "") : ""));
+    });
+    server_.post("/api/formula/check", [](const Request& request, Response& response) {
+      const Body body(request);
+      answer_json(response,
+                  formula_checked(body.text("stage"), body.text("name"), body.text("text")));
+    });
+    change("formula/fit", [this](const Body& body) {
+      desk_.add_formula(body.revision(), body.text("stage"), body.text("name"), body.text("text"));
+    });
+    server_.post("/api/plan", [this](const Request& request, Response& response) {
+      // --model M --data D, then what is left out, which a plan does not ask.
+      const std::vector<std::string> words = desk_.of_current();
+      std::vector<std::string> command = {"plan", words.at(0), words.at(1), "--protocol",
+                                          words.at(3)};
+      const auto effects = Body(request).get<std::vector<std::string>>("effects");
+      for (const std::string& effect : effects) {
+        command.push_back("--effects");
+        command.push_back(effect);
+      }
+      command.push_back("--json");
+      answer_json(response, desk_.ask(std::move(command), "plan.json"));
+    });
+  }
+
+  const Places places_;
+  Desk desk_;
+  PageServer server_{{.folder = "workbench",
+                      .folder_from = "SEAM_WORKBENCH_DIR",
+                      .policy = kPolicy,
+                      .secret = true,
+                      .most_body = kMostBody,
+                      .threads = kThreads}};
+};
+
+void run(Settings& settings) {
+  if (settings.look.empty()) {
+    if (!settings.flags.model.empty() || !settings.flags.leave_out.empty())
+      throw UsageError("workbench: --model and --leave-out go with --look alone");
+    return Workbench(settings).serve(settings.port);
+  }
+  if (settings.named.size() != 1 || settings.flags.model.empty())
+    throw UsageError("workbench: --look expects one set and its --model");
+  settings.flags.data = settings.named.front();
+  make_output_folder(settings.look);
+  look_into(settings.flags, settings.look);
+}
+
+}  // namespace
+
+void add_workbench(app::Command app) {
+  app::Command command = app.add_subcommand(
+      "workbench", "A web page to work on a model with: see the misfit, try effects, add them");
+  auto settings = std::make_shared<Settings>();
+  command.add_option("SET", settings->named, "Measurement sets: their folders");
+  command.add_option("--port", settings->port, "Port on 127.0.0.1; 0: a free one").range(0, 65535);
+  command.add_option("--session", settings->session,
+                     "The folder where the work is kept (default: SET.session in this folder)");
+  command.add_option("--look", settings->look,
+                     "No page: writes what the page shows of --model into this folder");
+  command.add_option("--model", settings->flags.model, "Of --look: the model");
+  command.add_option("--leave-out", settings->flags.leave_out,
+                     "Of --look: rows that take no part (row, reason)");
+  command.footer("Example: seam workbench sets/points-a --session work");
+  command.callback([settings] { run(*settings); });
+}
+
+}  // namespace seam::tools
