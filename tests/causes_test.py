@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+"""Causes that people have, hidden in made sets: `seam` names each alone, and one that needs a column of the log is no
+candidate without it. Usage: causes_test.py SEAM SOURCE_DIR"""
+import csv
+import json
+import pathlib
+import subprocess
+import tempfile
+
+import by_hand
+
+seam, source = by_hand.arguments("seam", "source")
+
+HIDDEN = {
+    "landmark_height": ("landmarks", "{landmark_height: {z_m: 0.5}}"),
+    "mount_sag": ("points", "{mount_sag: {tilt_rad: 0.03}}"),
+    "elastic_joint": ("joints", "{elastic_joint: {frequency_hz: 9, damping: 0.1}}"),
+    "gear_ripple": ("joints", "{gear_ripple: {amplitude_rad: 0.002, per_turn: 37.3, phase_rad: 0.5}}"),
+    "focal_drift": ("points", "{focal_drift: {per_s: 0.004}}"),
+}
+
+
+def ask(*command):
+    done = subprocess.run([seam, *map(str, command)], capture_output=True, text=True)
+    assert done.returncode == 0, (command, done.stderr)
+    return done.stdout
+
+
+def with_column(folder, table, name, value_of_row):
+    """Adds a column to a table of a set."""
+    path = folder / table
+    with path.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    for row in rows:
+        row[name] = value_of_row(row)
+    with path.open("w", newline="") as file:
+        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def named(model, data, scratch):
+    """Names of the effects with which a search ends."""
+    ask("discover", "--model", model, "--data", data, "--out", scratch / f"found-{len(list(scratch.iterdir()))}.yaml", "--json",
+        scratch / "found.json")
+    return {step["effect"]: step for step in json.loads((scratch / "found.json").read_text())["steps"]}
+
+
+def write_model(path, effects):
+    path.write_text(f"format: seam-model/1\nname: made\neffects:\n{effects}")
+    return path
+
+
+def test_studies(scratch):
+    for effect, (kind, hidden) in HIDDEN.items():
+        ask("study", kind, "--hide", hidden, "--seeds", "1", "--first-seed", "3", "--jobs", "1", "--json", scratch / "study.json")
+        row = json.loads((scratch / "study.json").read_text())["rows"][0]
+        assert row["exact"]["hits"] == 1, (effect, row)
+
+
+def test_stamps_of_exposures(scratch):
+    """Every second frame is exposed ten times as long: no latency explains both."""
+    protocol = scratch / "exposed"
+    protocol.mkdir()
+    for file in (source / "docs/tutorial/room").iterdir():
+        (protocol / file.name).write_bytes(file.read_bytes())
+    with_column(protocol, "points.csv", "exposure_s", lambda row: 0.02 if int(row["frame"]) % 2 else 0.002)
+    camera = "  pinhole: {fx_px: 161.9, fy_px: 162.5, cx_px: 88.5, cy_px: 71.5}\n"
+    truth = write_model(scratch / "starts.yaml", camera + "  exposure_stamp: {per_exposure: 0.5}\n")
+    ask("measure", "--model", truth, "--protocol", protocol, "--seed", "4", "--out", scratch / "starts")
+    found = named(source / "docs/tutorial/nominal.yaml", scratch / "starts", scratch)
+    assert list(found) == ["exposure_stamp"], found
+    assert abs(found["exposure_stamp"]["parameters"]["per_exposure"]["value"] - 0.5) < 0.05, found
+    assert "frame_latency" not in found["exposure_stamp"].get("indistinguishable_from", []), found
+
+
+def test_motors(scratch):
+    """Steps of a motor at two gains that warms up from run to run, with and without its temperatures."""
+    protocol = scratch / "moves"
+    protocol.mkdir()
+    rows = ["run,time_s,joint,command_rad,kp"]
+    for run_at in range(6):
+        for k in range(120):
+            rows.append(f"{run_at},{0.01 * k:.2f},arm,{((7 * run_at + 5 * (k // 40)) % 9 - 4) * 0.25 if k > 1 else 0},{1 + run_at % 2}")
+    (protocol / "joints.csv").write_text("\n".join(rows) + "\n")
+    (protocol / "measurement.yaml").write_text("format: seam-measurement/1\nkind: joints\ntitle: moves\n"
+                                               "noise: {measured_rad: 0.0005}\ngroup: run\nfiles: {joints: joints.csv}\n")
+    motor = "  motor_servo: {stall_rad_per_s2: 200, back_emf_per_s: 10, gain: 0.3}\n"
+    nominal = write_model(scratch / "motor.yaml", motor)
+    ask("measure", "--model", nominal, "--protocol", protocol, "--seed", "4", "--out", scratch / "as_warm")
+    cold = subprocess.run([seam, "add", "motor_heating", "--model", nominal, "--data", scratch / "as_warm", "--out",
+                           scratch / "no.yaml"],
+                          capture_output=True, text=True)
+    assert cold.returncode == 1 and "temperature_c" in cold.stderr, cold
+    with_column(protocol, "joints.csv", "temperature_c", lambda row: 25 + 7 * int(row["run"]))
+    for effect, parameter, value in (("motor_heating", "per_k", 0.004), ("friction_asymmetry", "rad_per_s2", -1.5)):
+        truth = write_model(scratch / f"{effect}.yaml", motor + f"  {effect}: {{{parameter}: {value}}}\n")
+        ask("measure", "--model", truth, "--protocol", protocol, "--seed", "4", "--out", scratch / effect)
+        found = named(nominal, scratch / effect, scratch)
+        assert list(found) == [effect], found
+        assert abs(found[effect]["parameters"][parameter]["value"] / value - 1) < 0.1, found
+
+
+for test in (test_motors, test_stamps_of_exposures, test_studies):
+    with tempfile.TemporaryDirectory() as folder:
+        test(pathlib.Path(folder))
