@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds `seam plan` against made sets: scripts/plan_check.py SEAM --out FOLDER [--sets N] [--scatter N] [--only CASE].
+"""Compares `seam plan` with made sets: scripts/plan_check.py SEAM --out FOLDER [--sets N] [--scatter N] [--only CASE].
 
 For each case: the plan's standard error against the scatter of estimates (`seam add` on made sets), and the smallest size that
 is found with 95 % against the size that `seam diagnose` finds in 95 of 100 made sets: a normal curve through the shares found at

@@ -114,7 +114,7 @@ struct Table {
 Table errors_table(const Plan& plan) {
   Table table{
       .title = "Standard errors, and the smallest size that is found with 95 %",
-      .columns = {"effect", "parameter", "standard error", "smallest found", "not told apart from"},
+      .columns = {"effect", "parameter", "standard error", "smallest found", "not separated from"},
       .rows = {}};
   for (const PlannedEffect& effect : plan.effects) {
     for (const PlannedParameter& p : effect.parameters) {

@@ -79,7 +79,7 @@ double size_found(const measurement::Plan& plan, const std::string& name) {
   }
   throw InputError(name +
                    ": this protocol would not find it at any size in its bounds, so that "
-                   "nothing can be told apart from it");
+                   "nothing can be separated from it");
 }
 
 void consider(const measurement::Planner& planner, const std::string& what, double cost,
@@ -147,9 +147,10 @@ void add_plan(app::Command app) {
   command.add_option("--effects", flags->effects,
                      "Effects, a,b,...: only these, and how other protocols change them; left out: "
                      "all that the model lacks");
-  command.add_option("--improve", flags->improve,
-                     "Two effects, a,b: the change of the protocol that tells the first from the "
-                     "second at least cost");
+  command.add_option(
+      "--improve", flags->improve,
+      "Two effects, a,b: the change of the protocol that separates the first from the "
+      "second at least cost");
   command.add_option("--seed", flags->seed, "Seed of the set that is made to look at")
       .show_default();
   add_material_flag(command, flags->files);
