@@ -318,6 +318,9 @@ class Hostile(unittest.TestCase):
             self.walk("discover", *both, "--out", "{out}/d.yaml")
             for left_out in self.left_out:
                 self.walk("compare", *both, "--leave-out", left_out, "--json", "{out}/c.json", "--report", "{out}/c.html")
+            self.environment["XDG_STATE_HOME"] = str(self.root / "out" / "state")
+            self.walk("workbench", folder, "--session", "{out}/session", serves=self.looked_at)
+            del self.environment["XDG_STATE_HOME"]
 
         self.walk("schema", f"../../decoys/{ESCAPE}", codes=(2,))
 

@@ -72,7 +72,9 @@ Model with_effect(const std::string& effect) {
 nlohmann::json plots_of(const std::string& folder, const std::string& effect) {
   const auto problem = open_problem(folder);
   const CompareResult result = compare(*problem, with_effect(effect));
-  const ReportHeader header{.data_folder = folder, .doubts = {"units?"}};
+  ReportHeader header;
+  header.data_folder = folder;
+  header.doubts = {"units?"};
   const auto report = nlohmann::json::parse(compare_report(*problem, result, header));
   const std::string first = report["result"]["headline"].get<std::string>() + "\nunits?\n";
   EXPECT_EQ(compare_text(*problem, result, header.doubts).find(first), 0u);
