@@ -198,15 +198,15 @@ std::optional<Suggestion> proposed(const std::string& kind, const std::string& e
   return suggest(*problem, result, silent);
 }
 
-TEST(Suggest, AFocalLengthThatGrowsWithTimeIsOneTerm) {
-  const auto found = proposed(
-      "points",
-      "{stage: geometry, u: 'cx + (u - cx) * (1 + k * t)', v: 'cy + (v - cy) * (1 + k * t)', "
-      "parameters: {k: 0.03}}",
-      "suggest-focus");
+TEST(Suggest, ACameraThatTurnsInItsHolderIsOneTerm) {
+  const auto found =
+      proposed("points",
+               "{stage: geometry, u: 'u + k * (cy - v) * t', v: 'v + k * (u - cx) * t', "
+               "parameters: {k: 0.03}}",
+               "suggest-turn");
   ASSERT_TRUE(found);
   ASSERT_EQ(found->terms.size(), 1u) << found->yaml;
-  EXPECT_EQ(found->terms[0], "u: (u - cx) * t, v: (v - cy) * t");
+  EXPECT_EQ(found->terms[0], "u: (cy - v) * t, v: (u - cx) * t");
   EXPECT_TRUE(found->beside.empty());
   EXPECT_GT(found->error_before, 2);
   EXPECT_NEAR(found->error, 1.0, 0.1);
