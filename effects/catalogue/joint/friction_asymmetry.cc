@@ -23,7 +23,7 @@ EffectDefinition friction_asymmetry() {
       .signature = "rests beside its command, farther on one side; one direction is slower",
       .example = "friction_asymmetry: {rad_per_s2: 3}",
       .needs_base = Base::motor,
-      .starts = {{kJoints, StartSearch::motion, {{1}, {-1}}}},
+      .starts = {{kJoints, StartSearch::motion, {{0}}}},
       .advice = {{kJoints,
                   {"gravity_torque"},
                   "moves over the whole range: the pull of a load changes with the angle, friction "

@@ -238,8 +238,7 @@ TEST(MotorSearch, AMotorWithLargeFrictionComesWithIt) {
   const auto all = move_with_dependents(problem, base, effects::find_effect("motor_servo"), {});
   ASSERT_TRUE(all);
   EXPECT_LT(all->grown.assessment.error, 50);
-  // A beginning: what is needless beside it (ripple, a joint that swings) still shares its torque.
-  EXPECT_NEAR(all->grown.assessment.model.find("gravity_torque")->value("rad_per_s2"), 200, 50);
+  EXPECT_NEAR(all->grown.assessment.model.find("gravity_torque")->value("rad_per_s2"), 200, 20);
 }
 
 }  // namespace
