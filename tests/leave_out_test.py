@@ -136,11 +136,11 @@ class LeaveOut(unittest.TestCase):
     def refused(self, text, said, *more):
         file = self.left_out(text)
         given = ["--data", self.folder / "good", "--leave-out", file, *(more or ("--model", TUTORIAL / "nominal.yaml"))]
-        code, told = seam("compare", *given)
-        self.assertEqual(code, 2, told)
-        self.assertIn(said, told)
+        code, said_by_seam = seam("compare", *given)
+        self.assertEqual(code, 2, said_by_seam)
+        self.assertIn(said, said_by_seam)
 
-    def test_what_is_wrong_is_told(self):
+    def test_what_is_wrong_is_named(self):
         lines = len((self.folder / "good/points.csv").read_text(encoding="utf-8").splitlines())
         self.refused("row,reason\n5,blurred\n9999999,x\n",
                      f"left-out.csv:3: column row: found '9999999', expected a line of {self.folder}/good/points.csv with a row, 2 to {lines}")
@@ -155,9 +155,9 @@ class LeaveOut(unittest.TestCase):
         self.refused("file,row,reason\npoint,5,x\n", "left-out.csv:2: column file: found 'point', expected a name under `files:`")
         self.refused("row,reason\n" + "".join(f"{line},x\n" for line in range(2, lines + 1)), "leaves out every row of")
         self.refused("row,reason\n5,x\n", "--leave-out needs --model", "--models", TUTORIAL / "nominal.yaml", TUTORIAL / "robot.yaml")
-        code, told = seam("fit", "--model", TUTORIAL / "nominal.yaml", "--data", self.folder / "good", "--out", self.folder / "m.yaml",
+        code, said_by_seam = seam("fit", "--model", TUTORIAL / "nominal.yaml", "--data", self.folder / "good", "--out", self.folder / "m.yaml",
                           "--leave-out", self.folder / "missing.csv")
-        self.assertEqual((code, "missing.csv" in told), (2, True), told)
+        self.assertEqual((code, "missing.csv" in said_by_seam), (2, True), said_by_seam)
 
     def test_a_header_alone_leaves_nothing_out(self):
         found, _, _ = self.result(["compare"], self.folder / "good", "--leave-out", self.left_out("row,reason\n"))

@@ -15,9 +15,7 @@
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
-namespace {
 
-// Units stand at the end of a column's name.
 std::string unit_of(const std::string& column) {
   static constexpr std::pair<const char*, const char*> kUnits[] = {
       {"_radps", "rad/s"}, {"_mps", "m/s"}, {"_rad", "rad"}, {"_px", "px"},
@@ -27,6 +25,7 @@ std::string unit_of(const std::string& column) {
   }
   return "";
 }
+namespace {
 
 std::string column_line(const CsvTable& table, const std::string& column) {
   const std::vector<std::string> texts = table.texts(column);

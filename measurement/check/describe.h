@@ -12,6 +12,9 @@
 
 namespace seam::measurement {
 
+// "rad/s" of a column's name that ends in _radps; empty where it has no unit.
+std::string unit_of(const std::string& column);
+
 struct SetDescription {
   std::string text;  // Lines for people.
   std::vector<std::string> errors;

@@ -22,7 +22,7 @@ constexpr double kFoundFor = 0.95;
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 // Chances are good to half a per cent at kFoundFor.
 constexpr uint64_t kDraws = 2500;
-// A combination of columns with less of the information that each has alone is not told.
+// A combination of columns with less of the information that each has alone is not determined.
 constexpr double kFloor = 1e-13;
 constexpr RandomStream kNoise{.seed = 11, .stream = 49};
 

@@ -282,9 +282,9 @@ Plan Planner::plan() const {
     if (wanted(n.effect)) plan.not_planned.push_back(n);
   }
   for (const std::string& name : asked) {
-    const bool told = std::any_of(plan.not_planned.begin(), plan.not_planned.end(),
-                                  [&](const NotTestable& n) { return n.effect == name; });
-    if (!told && find(name) == nullptr && !base_.assessment.model.has(name))
+    const bool listed = std::any_of(plan.not_planned.begin(), plan.not_planned.end(),
+                                    [&](const NotTestable& n) { return n.effect == name; });
+    if (!listed && find(name) == nullptr && !base_.assessment.model.has(name))
       plan.not_planned.push_back({name, "", why_not(name)});
   }
   const size_t first = plan.effects.size();

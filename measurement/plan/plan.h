@@ -27,7 +27,7 @@ struct PlannedTie {
 
 struct PlannedEffect {
   std::string effect;
-  bool in_model = false;  // Its parameters are refitted anyway: only their errors are told.
+  bool in_model = false;  // Its parameters are refitted anyway: only their errors are given.
   std::vector<PlannedParameter> parameters;
   std::vector<PlannedTie> ties;
 };

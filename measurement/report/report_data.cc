@@ -16,6 +16,22 @@
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
+
+nlohmann::json effects_json(const effects::Model& model) {
+  using nlohmann::json;
+  json effects = json::object();
+  for (const effects::ModelEffect& effect : model.effects()) {
+    json& parameters = effects[effect.definition->name] = json::object();
+    for (size_t i = 0; i < effect.parameters.size(); ++i) {
+      const effects::ParameterValue& value = effect.parameters[i];
+      parameters[effect.definition->parameters[i].name] = {
+          {"value", finite_or_null<json>(value.value)},
+          {"sigma", value.sigma ? finite_or_null<json>(*value.sigma) : json(nullptr)},
+          {"free", value.free}};
+    }
+  }
+  return effects;
+}
 namespace {
 
 using nlohmann::json;
@@ -30,19 +46,7 @@ struct Stages {
 };
 
 json model_json(const Model& model, const std::string& file) {
-  json effects = json::object();
-  for (const effects::ModelEffect& effect : model.effects()) {
-    json parameters = json::object();
-    for (size_t i = 0; i < effect.parameters.size(); ++i) {
-      const effects::ParameterValue& value = effect.parameters[i];
-      parameters[effect.definition->parameters[i].name] = {
-          {"value", finite_or_null<json>(value.value)},
-          {"sigma", value.sigma ? finite_or_null<json>(*value.sigma) : json(nullptr)},
-          {"free", value.free}};
-    }
-    effects[effect.definition->name] = std::move(parameters);
-  }
-  return {{"name", model.name()}, {"file", file}, {"effects", std::move(effects)}};
+  return {{"name", model.name()}, {"file", file}, {"effects", effects_json(model)}};
 }
 
 json data_json(const Problem& problem, const Assessment& before, const std::string& folder) {

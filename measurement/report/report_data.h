@@ -2,6 +2,7 @@
 // result and what its plots show. Filled into the page by report.h.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "measurement/report/lens_map.h"
@@ -16,6 +17,10 @@ struct ReportHeader {
   LeftOut left_out;  // Rows that take no part.
   Doubts doubts;
 };
+
+// A model by effect and parameter: value, sigma (null where none was fitted), and whether it is
+// free.
+nlohmann::json effects_json(const effects::Model& model);
 
 std::string compare_report(const Problem& problem, const CompareResult& result,
                            const ReportHeader& header);

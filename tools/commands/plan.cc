@@ -7,7 +7,7 @@
 #include "app/scratch_folder.h"
 #include "effects/registry.h"
 #include "measurement/kinds/kinds.h"
-#include "measurement/plan/plan_told.h"
+#include "measurement/plan/plan_results.h"
 #include "measurement/report/report.h"
 #include "sim_core/base/error.h"
 #include "tools/command.h"

@@ -179,7 +179,7 @@ json Desk::search(const std::string& id) {
   {
     const std::lock_guard lock(mutex_);
     const Version& version = session().state().version(id);
-    fields = search_told(looked_[id]);
+    fields = search_json(looked_[id]);
     fields["version"] = version.id;
     fields["progress"] = job_.is_object() && job_.value("version", "") == id ? job_ : json(nullptr);
     const Looked& looked = looked_[id];
@@ -259,7 +259,7 @@ void Desk::said(const std::string& version, const json& event) {
     events_.publish("preview", {{"version", version}, {"effect", event.value("effect", "")}});
   } else if (what == "search") {
     looked.search = json_of(folder / "search.json");
-    json fields = search_told(looked);
+    json fields = search_json(looked);
     fields["version"] = version;
     fields["progress"] = job_;
     events_.publish("search", fields);
@@ -274,7 +274,7 @@ void Desk::ended(const std::string& version, const std::string& trouble, bool ca
   looked.read(session_->cache(version));
   looked.trouble = trouble;
   looked.cancelled = cancelled;
-  json fields = search_told(looked);
+  json fields = search_json(looked);
   fields["version"] = version;
   fields["progress"] = nullptr;
   events_.publish("search", fields);

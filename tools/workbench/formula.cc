@@ -46,7 +46,7 @@ constexpr Meaning kMeanings[] = {
     {"theta", "rad", "heading"},
 };
 
-json variable_told(const std::string& name) {
+json variable_json(const std::string& name) {
   const auto found =
       std::ranges::find_if(kMeanings, [&](const Meaning& one) { return name == one.name; });
   if (found == std::end(kMeanings)) return {{"name", name}};
@@ -65,11 +65,11 @@ std::string form_of(const effects::FormulaStage& stage) {
 
 }  // namespace
 
-json formula_stages_told(const std::string& kind) {
+json formula_stages_json(const std::string& kind) {
   json acting = json::array(), others = json::array();
   for (const effects::FormulaStage& stage : effects::formula_stages()) {
     json variables = json::array();
-    for (const std::string& name : stage.variables) variables.push_back(variable_told(name));
+    for (const std::string& name : stage.variables) variables.push_back(variable_json(name));
     const bool acts = std::ranges::any_of(effects::kinds(), [&](const effects::KindFacts& one) {
       return kind == one.name && (stage.kinds & one.bit) != 0;
     });

@@ -7,7 +7,7 @@
 namespace seam::tools {
 
 // The stages with their variables, those first that act on this kind of measurement.
-nlohmann::json formula_stages_told(const std::string& kind);
+nlohmann::json formula_stages_json(const std::string& kind);
 
 // A file for `seam add`: the lines stand below the effect's name and stage. Throws UsageError for
 // a name that is none.

@@ -23,7 +23,7 @@ void Looked::read(const std::filesystem::path& folder) {
   diagnose = json_of(folder / "diagnose.json");
 }
 
-json search_told(const Looked& looked) {
+json search_json(const Looked& looked) {
   json fields = {{"candidates", json::array()},
                  {"ties", json::array()},
                  {"not_testable", json::array()},

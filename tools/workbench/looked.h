@@ -18,7 +18,7 @@ struct Looked {
 };
 
 // What the page shows of the search: of the diagnosis, where it has ended, else of the look.
-nlohmann::json search_told(const Looked& looked);
+nlohmann::json search_json(const Looked& looked);
 
 // A JSON file of ours; null where it is not there or not whole.
 nlohmann::json json_of(const std::filesystem::path& file);

@@ -180,7 +180,7 @@ class Workbench {
   void add_formulas() {
     server_.get("/api/formula", [this](const Request&, Response& response) {
       const json set = desk_.state()["set"];
-      answer_json(response, formula_stages_told(set.is_object() ? set.value("kind", "") : ""));
+      answer_json(response, formula_stages_json(set.is_object() ? set.value("kind", "") : ""));
     });
     server_.post("/api/formula/check", [](const Request& request, Response& response) {
       const Body body(request);

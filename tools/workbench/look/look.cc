@@ -10,11 +10,11 @@
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/report/data_pictures.h"
 #include "measurement/report/finite_or_null.h"
+#include "measurement/report/report_data.h"
 #include "measurement/search/models/compare.h"
 #include "sim_core/base/error.h"
-#include "tools/workbench/look/model_told.h"
 #include "tools/workbench/look/row_table.h"
-#include "tools/workbench/look/set_told.h"
+#include "tools/workbench/look/set_json.h"
 
 namespace seam::tools {
 namespace {
@@ -52,10 +52,10 @@ json ties_of(const Problem& problem, const std::vector<Candidate>& candidates) {
   return ties;
 }
 
-json values_told(const measurement::Assessment& assessment, const std::string& effect) {
+json values_json(const measurement::Assessment& assessment, const std::string& effect) {
   measurement::Model model = assessment.model;
   write_sigmas(model, assessment.unknowns, assessment.fit);
-  const json effects = effects_told(model);
+  const json effects = measurement::effects_json(model);
   return effects.contains(effect) ? effects[effect] : json::object();
 }
 
@@ -87,7 +87,7 @@ class Looker {
     write("compare.json", compare_json(*problem_, result, doubts_));
     measurement::Model fitted = result.base.assessment.model;
     write_sigmas(fitted, result.base.assessment.unknowns, result.base.assessment.fit);
-    write("model.json", effects_told(fitted).dump());
+    write("model.json", measurement::effects_json(fitted).dump());
     write_rows();
     say({{"event", "compared"}});
   }
@@ -113,7 +113,7 @@ class Looker {
   }
 
   void tell_set() {
-    write("set.json", set_told(whole_ ? *whole_ : *problem_, flags_, doubts_).dump());
+    write("set.json", set_json(whole_ ? *whole_ : *problem_, flags_, doubts_).dump());
     say({{"event", "set"}});
   }
 
@@ -179,7 +179,7 @@ class Looker {
       const measurement::Assessment& after = candidate->grown.assessment;
       preview(candidate->effect->name, after.model,
               {{"error", measurement::finite_or_null<json>(after.error)},
-               {"parameters", values_told(after, candidate->effect->name)},
+               {"parameters", values_json(after, candidate->effect->name)},
                {"how", "fit"}});
     }
     const std::lock_guard lock(mutex_);

@@ -1,4 +1,4 @@
-#include "tools/workbench/look/set_told.h"
+#include "tools/workbench/look/set_json.h"
 
 #include <algorithm>
 #include <charconv>
@@ -13,20 +13,10 @@ namespace {
 
 using measurement::CsvTable;
 using measurement::finite_or_null;
+using measurement::unit_of;
 using nlohmann::json;
 
-// Units stand at the end of a column's name.
-std::string unit_of(const std::string& column) {
-  static constexpr std::pair<const char*, const char*> kUnits[] = {
-      {"_radps", "rad/s"}, {"_mps", "m/s"}, {"_rad", "rad"}, {"_px", "px"},
-      {"_nm", "N m"},      {"_m", "m"},     {"_s", "s"},     {"_v", "V"}};
-  for (const auto& [suffix, unit] : kUnits) {
-    if (column.ends_with(suffix)) return unit;
-  }
-  return "";
-}
-
-json column_told(const CsvTable& table, const std::string& file, const std::string& name) {
+json column_json(const CsvTable& table, const std::string& file, const std::string& name) {
   json column = {{"name", name}, {"unit", unit_of(name)}, {"file", file}};
   const std::vector<std::string> texts = table.texts(name);
   column["missing"] = std::count(texts.begin(), texts.end(), "");
@@ -43,19 +33,19 @@ json column_told(const CsvTable& table, const std::string& file, const std::stri
   return column;
 }
 
-json columns_told(const measurement::MeasurementSet& set) {
+json columns_json(const measurement::MeasurementSet& set) {
   json columns = json::array();
   for (const auto& [name, file] : set.files) {
     if (!file.ends_with(".csv")) continue;
     const CsvTable table = set.table(name);
     for (const std::string& column : table.columns())
-      columns.push_back(column_told(table, file, column));
+      columns.push_back(column_json(table, file, column));
   }
   return columns;
 }
 
 // A sentence, with the row that it names as "file:LINE:".
-json doubt_told(const measurement::Facts& facts, const std::string& text) {
+json doubt_json(const measurement::Facts& facts, const std::string& text) {
   json doubt = {{"text", text}};
   const std::string name = std::filesystem::path(facts.file).filename().string() + ":";
   const size_t at = text.find(name);
@@ -71,7 +61,7 @@ json doubt_told(const measurement::Facts& facts, const std::string& text) {
 
 }  // namespace
 
-json set_told(const measurement::Problem& problem, const AnalysisFlags& flags,
+json set_json(const measurement::Problem& problem, const AnalysisFlags& flags,
               const measurement::Doubts& doubts) {
   const measurement::Facts& facts = problem.facts();
   const auto set = measurement::MeasurementSet::open(flags.data);
@@ -84,7 +74,7 @@ json set_told(const measurement::Problem& problem, const AnalysisFlags& flags,
   json fields = json::array();
   const auto described = measurement::describe_set(set, std::nullopt);
   for (const auto* list : {&doubts, &described.errors, &described.warnings}) {
-    for (const std::string& text : *list) fields.push_back(doubt_told(facts, text));
+    for (const std::string& text : *list) fields.push_back(doubt_json(facts, text));
   }
   json set_json = {{"title", facts.title},
                    {"kind", facts.kind()},
@@ -94,7 +84,7 @@ json set_told(const measurement::Problem& problem, const AnalysisFlags& flags,
                    {"group", set.group},
                    {"noise", std::move(noise)},
                    {"noise_estimated", estimated},
-                   {"columns", columns_told(set)},
+                   {"columns", columns_json(set)},
                    {"doubts", std::move(fields)}};
   if (facts.width_px > 0)
     set_json["image"] = {{"width_px", facts.width_px}, {"height_px", facts.height_px}};

@@ -1,4 +1,4 @@
-#include "measurement/plan/plan_told.h"
+#include "measurement/plan/plan_results.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,7 +15,7 @@ namespace {
 using nlohmann::ordered_json;
 
 std::string number(double value) {
-  return std::isfinite(value) ? fmt::format("{:.3g}", value) : "not told";
+  return std::isfinite(value) ? fmt::format("{:.3g}", value) : "not determined";
 }
 
 std::string smallest(const PlannedEffect& effect, const PlannedParameter& parameter) {
@@ -23,13 +23,13 @@ std::string smallest(const PlannedEffect& effect, const PlannedParameter& parame
   return parameter.smallest_found ? number(*parameter.smallest_found) : "not in its bounds";
 }
 
-std::string ties_told(const PlannedEffect& effect) {
-  std::vector<std::string> told;
+std::string ties_text(const PlannedEffect& effect) {
+  std::vector<std::string> ties;
   for (const PlannedTie& tie : effect.ties)
-    told.push_back(tie.apart_from
+    ties.push_back(tie.apart_from
                        ? fmt::format("{} (below {})", tie.effect, number(*tie.apart_from))
                        : tie.effect + " (at any size)");
-  return fmt::format("{}", fmt::join(told, ", "));
+  return fmt::format("{}", fmt::join(ties, ", "));
 }
 
 std::string headline(const WholePlan& whole) {
@@ -120,7 +120,7 @@ Table errors_table(const Plan& plan) {
     for (const PlannedParameter& p : effect.parameters) {
       const bool first = &p == &effect.parameters.front();
       table.rows.push_back({effect.effect, p.name, number(p.sigma), smallest(effect, p),
-                            first ? ties_told(effect) : ""});
+                            first ? ties_text(effect) : ""});
     }
   }
   return table;
@@ -196,7 +196,7 @@ std::string plan_text(const WholePlan& whole) {
   std::string text = headline(whole) + "\n";
   for (const Table& table : tables_of(whole)) text += text_of(table);
   if (!whole.improved) return text;
-  if (whole.improved->improvements.empty()) text += "no change that was tried tells them apart\n";
+  if (whole.improved->improvements.empty()) text += "no change that was tried separates them\n";
   if (!whole.improved->advice.empty()) text += "advice: " + whole.improved->advice + "\n";
   return text;
 }

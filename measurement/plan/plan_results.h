@@ -15,7 +15,7 @@ struct ChangedPlan {
   Plan plan;
 };
 
-// A change by which two effects are told apart, at a size of the first.
+// A change by which the data distinguish two effects, at a size of the first.
 struct Improvement {
   std::string what;
   double repeats = 1;  // As often is the changed protocol measured.

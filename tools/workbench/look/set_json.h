@@ -7,7 +7,7 @@
 
 namespace seam::tools {
 
-nlohmann::json set_told(const measurement::Problem& problem, const AnalysisFlags& flags,
+nlohmann::json set_json(const measurement::Problem& problem, const AnalysisFlags& flags,
                         const measurement::Doubts& doubts);
 
 }  // namespace seam::tools
