@@ -16,6 +16,7 @@
 
 #include "app/session/standbys.h"
 #include "sim_core/base/error.h"
+#include "sim_core/input/shell_word.h"
 #include "sim_core/input/shown_text.h"
 #include "sim_core/signals/half_made.h"
 #include "sim_core/system/own_files.h"
@@ -145,16 +146,10 @@ std::map<std::string, std::string> behaviour_environment() {
 }
 
 std::string environment_lines(const std::map<std::string, std::string>& environment) {
-  constexpr std::string_view kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=:,./@%";
   std::string lines;
-  for (const auto& [name, value] : environment) {
-    // Quotes are for a shell; not all editors take them off.
-    const bool plain = value.find_first_not_of(kPlain) == std::string::npos;
-    std::string quoted;
-    for (const char byte : value) quoted += byte == '\'' ? "'\\''" : std::string(1, byte);
-    lines += name + "=" + (plain ? value : "'" + quoted + "'") + "\n";
-  }
+  // Quotes are for a shell; not all editors take them off.
+  for (const auto& [name, value] : environment)
+    lines += name + "=" + (value.empty() ? "" : shell_word(value)) + "\n";
   return lines;
 }
 

@@ -59,6 +59,8 @@ class Desk {
 
  private:
   Session& session();  // Throws Refusal where nothing is open.
+  // Another version is the current one; the step says which, or throws.
+  void move(uint64_t revision, const std::function<void(SessionState&)>& step);
   void save(SessionState next);
   void commit(Version version);
   void make(uint64_t revision, Version version, std::vector<std::string> command);

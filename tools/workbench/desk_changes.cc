@@ -187,46 +187,40 @@ void Desk::refit(uint64_t revision) {
   make(revision, {.name = "refitted"}, {"fit"});
 }
 
-void Desk::go_to(uint64_t revision, const std::string& version) {
+void Desk::move(uint64_t revision, const std::function<void(SessionState&)>& step) {
   {
     const std::lock_guard lock(mutex_);
     session().expect(revision);
     SessionState next = session_->state();
-    next.current = next.version(version).id;
-    next.undone.clear();
-    command_ = command_of(next.version(version));
+    step(next);
+    command_ = command_of(next.version(next.current));
     save(std::move(next));
   }
   look_at_current();
 }
 
+void Desk::go_to(uint64_t revision, const std::string& version) {
+  move(revision, [&](SessionState& next) {
+    next.current = next.version(version).id;
+    next.undone.clear();
+  });
+}
+
 void Desk::undo(uint64_t revision) {
-  {
-    const std::lock_guard lock(mutex_);
-    session().expect(revision);
-    SessionState next = session_->state();
+  move(revision, [](SessionState& next) {
     const Version& current = next.version(next.current);
     if (current.parent.empty()) throw Refusal(400, "there is nothing to undo");
     next.undone.push_back(current.id);
     next.current = current.parent;
-    command_ = command_of(next.version(next.current));
-    save(std::move(next));
-  }
-  look_at_current();
+  });
 }
 
 void Desk::redo(uint64_t revision) {
-  {
-    const std::lock_guard lock(mutex_);
-    session().expect(revision);
-    SessionState next = session_->state();
+  move(revision, [](SessionState& next) {
     if (next.undone.empty()) throw Refusal(400, "there is nothing to redo");
     next.current = next.undone.back();
     next.undone.pop_back();
-    command_ = command_of(next.version(next.current));
-    save(std::move(next));
-  }
-  look_at_current();
+  });
 }
 
 void Desk::note(uint64_t revision, const std::string& version, const std::string& text) {

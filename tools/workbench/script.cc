@@ -1,35 +1,24 @@
 // A session as a shell script.
 #include <fmt/format.h>
 
-#include "sim_core/base/error.h"
+#include "sim_core/input/shell_word.h"
 #include "tools/workbench/session.h"
 
 namespace seam::tools {
 namespace {
 
-// A word that a shell reads as it stands.
-std::string quoted(const std::string& word) {
-  const bool plain = !word.empty() && word.find_first_not_of(
-                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                          "0123456789_-./:=,@%+") == std::string::npos;
-  if (plain) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
-  return text + "'";
-}
-
 // A file of this content, whatever lines it has.
 std::string written(const std::string& file, const std::string& content) {
-  return fmt::format("printf %s {} > {}\n", quoted(content), file);
+  return fmt::format("printf %s {} > {}\n", shell_word(content), file);
 }
 
 }  // namespace
 
 std::string command_of(const Version& version) {
   const std::string to = fmt::format("versions/{}.yaml", version.id);
-  if (version.arguments.empty()) return fmt::format("cp {} {}", quoted(version.copied), to);
+  if (version.arguments.empty()) return fmt::format("cp {} {}", shell_word(version.copied), to);
   std::string command = "seam";
-  for (const std::string& argument : version.arguments) command += " " + quoted(argument);
+  for (const std::string& argument : version.arguments) command += " " + shell_word(argument);
   return command;
 }
 
