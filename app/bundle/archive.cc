@@ -17,8 +17,8 @@ namespace {
 
 constexpr int kGzip = 15 + 16;  // The widest window, with gzip's head and checksum.
 constexpr size_t kPieceBytes = 64 << 10;
-// As much as tar itself fills its last record with.
-constexpr size_t kMostEndBlocks = 20;
+// Two at the least, and as many as tar fills its last record of 20 with.
+constexpr size_t kMostEndBlocks = 21;
 
 // Places and lengths of ustar's fields.
 struct Field {
