@@ -11,7 +11,6 @@
 #define SEAM_EFFECTS(X)       \
   X(rolling_shutter)          \
   X(exposure)                 \
-  X(exposure_stamp)           \
   X(frame_latency)            \
   X(clock_drift)              \
   X(frame_jitter)             \
@@ -23,21 +22,16 @@
   X(coulomb_friction)         \
   X(stribeck_friction)        \
   X(load_friction)            \
-  X(friction_asymmetry)       \
-  X(motor_heating)            \
   X(torque_limit)             \
   X(servo_latency)            \
   X(servo_lag)                \
   X(speed_limit)              \
   X(acceleration_limit)       \
   X(stiction)                 \
-  X(gear_ripple)              \
   X(gravity_sag)              \
-  X(elastic_joint)            \
   X(encoder_eccentricity)     \
   X(encoder_scale)            \
   X(encoder_offset)           \
-  X(mount_sag)                \
   X(encoder_quantisation)     \
   X(joint_wander)             \
   X(backlash)                 \
@@ -50,7 +44,6 @@
   X(board_flex)               \
   X(board_sway)               \
   X(view_motion)              \
-  X(flat_port)                \
   X(pupil_shift)              \
   X(pinhole)                  \
   X(fisheye)                  \
@@ -60,7 +53,6 @@
   X(tangential_distortion)    \
   X(thin_prism)               \
   X(focal_length_error)       \
-  X(focal_drift)              \
   X(principal_point_offset)   \
   X(chromatic_aberration)     \
   X(focus_variation)          \
@@ -89,7 +81,6 @@
   X(saturation)               \
   X(quantisation)             \
   X(ideal_detector)           \
-  X(landmark_height)          \
   X(range_depth)              \
   X(range_scale)              \
   X(range_offset)             \

@@ -74,30 +74,12 @@ def rolled(legs, left=lambda w, v, omega: w, right=lambda w, v, omega: w):
     return walked(None, legs, body)
 
 
-def elastic(p, drive, rate, at_s, steps=40000):
-    """A load on a spring behind a drive whose angle and rate are functions of time, in small steps."""
-    omega = 2 * math.pi * p[0]
-    def acceleration(t, q, w):
-        return omega ** 2 * (drive(t) - q) + 2 * p[1] * omega * (rate(t) - w)
-    q = w = 0.0
-    h = at_s / steps
-    for k in range(steps):
-        t = k * h
-        a1 = acceleration(t, q, w)
-        a2 = acceleration(t + h / 2, q + h / 2 * w, w + h / 2 * a1)
-        a3 = acceleration(t + h / 2, q + h / 2 * (w + h / 2 * a1), w + h / 2 * a2)
-        a4 = acceleration(t + h, q + h * (w + h / 2 * a2), w + h * a3)
-        q += h * w + h * h / 6 * (a1 + a2 + a3)
-        w += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
-    return q
-
-
 def swung(at_s, stall=200, back_emf=10, gain=0.5, damping=0, most=1, limit=math.inf, gravity=0, level=0, viscous=0,
-          coulomb=0, stribeck=0, slow=1, load=0, pull=0, command=1, steps=40000):
+          coulomb=0, stribeck=0, slow=1, load=0, command=1, steps=40000):
     """A motor's joint from rest at 0, in small steps of Runge and Kutta; where it does not come to rest on its way."""
     def acceleration(q, w):
         duty = min(max(gain * (command - q) - damping * w, -most), most)
-        net = min(max(stall * duty - back_emf * w, -limit), limit) - gravity * math.cos(q - level) - pull
+        net = min(max(stall * duty - back_emf * w, -limit), limit) - gravity * math.cos(q - level)
         way = w if w != 0 else net
         dry = coulomb + stribeck * math.exp(-abs(w) / slow) + load * abs(net)
         return net - viscous * w - math.copysign(dry, way)
@@ -124,15 +106,6 @@ def fisheye(p, x, y, z):
     """r_d over the tangent's r of a ray."""
     t = math.atan2(math.hypot(x, y), z)
     return t * (1 + sum(k * t ** (2 * i + 2) for i, k in enumerate(p))) / math.hypot(x, y)
-
-
-def through_port(p, x, y, z):
-    """The tangent of a point's ray in air, over the point's radius: by halving, from Snell's law in angles."""
-    r = math.hypot(x, y)
-    def meets(angle):
-        pane, beyond = math.asin(math.sin(angle) / 1.49), math.asin(math.sin(angle) / p[0])
-        return p[1] * math.tan(angle) + p[2] * math.tan(pane) + (z - p[1] - p[2]) * math.tan(beyond)
-    return math.tan(root(lambda angle: meets(angle) - r, 0, 1.5)) / r
 
 
 def slid(p, x, y, z):
@@ -172,8 +145,6 @@ PROOFS = [
     # Timing.
     ("rolling_shutter", [2e-4], [("stamp_s", 12.5), ("row", 71)], {"start_s": "stamp_s + p[0] * row"}),
     ("rolling_shutter", [-3e-4], [("stamp_s", 0), ("row", 100)], {"middle_s": "p[0] * row"}),
-    ("exposure_stamp", [0.5], [("stamp_s", 4), ("frame_exposure_s", 0.008)], {"start_s": "4.004"}),
-    ("exposure_stamp", [-0.5], [("stamp_s", 1), ("row", 30), ("frame_exposure_s", 0.02)], {"middle_s": "0.99"}),
     ("exposure", [0.005], [("stamp_s", 1)], {"start_s": "stamp_s", "middle_s": "stamp_s + p[0] / 2",
                                              "end_s": "stamp_s + p[0]"}),
     ("exposure", [0.02], [("stamp_s", 2), ("row", 10)], {"middle_s": "stamp_s + p[0] / 2"}),
@@ -209,10 +180,6 @@ PROOFS = [
     ("load_friction", [0.3, 0], STEP + [("at_s", 0.12)], {"joint_rad": "sprung(100 * (1 - p[0]), 10 * (1 - p[0]), 1, at_s)"}),
     ("load_friction", [0.05, 0.15], STEP + [("at_s", 0.3)], {"joint_rad": "swung(at_s, load=p[0] + p[1])"},
      SMALL_STEPS),
-    ("friction_asymmetry", [20], STEP + [("at_s", 0.2)], {"joint_rad": "sprung(100, 10, 1 - p[0] / 100, at_s)"}),
-    ("friction_asymmetry", [-30], STEP + [("at_s", 0.15)], {"joint_rad": "swung(at_s, pull=p[0])"}, SMALL_STEPS),
-    ("motor_heating", [0.005], STEP + [("warmer_k", 20), ("at_s", 0.2)], {"joint_rad": "sprung(100 / 1.1, 10 / 1.1, 1, at_s)"}),
-    ("motor_heating", [0.01], STEP + [("warmer_k", -30), ("at_s", 0.1)], {"joint_rad": "sprung(100 / 0.7, 10 / 0.7, 1, at_s)"}),
     ("torque_limit", [30], STEP + [("at_s", 0.1)], {"joint_rad": "p[0] * at_s ** 2 / 2"}),
     ("torque_limit", [40], STEP + [("at_s", 0.25)], {"joint_rad": "swung(at_s, limit=p[0])"}, SMALL_STEPS),
     ("servo_latency", [0.016], STEP + [("at_s", 0.015)], {"joint_rad": "0"}),
@@ -229,20 +196,9 @@ PROOFS = [
     ("stiction", [0.02], [("command_s", 0), ("command_rad", 0.015), ("at_s", 1)], {"joint_rad": "0"}),
     ("stiction", [0.02], STEP + [("limit_radps", 2), ("at_s", 1)], {"joint_rad": "1 - p[0]"}),
     ("stiction", [0.02], STEP + [("limit_radps", 2), ("at_s", 0.3)], {"joint_rad": "2 * at_s"}),
-    ("gear_ripple", [0.002, 40, 0.5], BACK + [("at_s", 0.05)], {"joint_rad": "0.5 + p[0] * math.sin(20.5)"}),
-    ("gear_ripple", [0.01, 7.5, -1], BACK + [("at_s", 0.2)], {"joint_rad": "0.2 + p[0] * math.sin(0.5)"}),
     ("gravity_sag", [0.02, 0], BACK + [("at_s", 0.05)], {"joint_rad": "0.5 - p[0] * math.cos(0.5)"}),
     ("gravity_sag", [0.1, 0.3], BACK + [("at_s", 0.2)], {"joint_rad": "0.2 - p[0] * math.cos(0.2 - p[1])"}),
-    ("elastic_joint", [4, 0.2], STEP + [("at_s", 0.1)],
-     {"joint_rad": "1 - math.exp(-p[1] * 8 * math.pi * at_s) * (math.cos(8 * math.pi * math.sqrt(1 - p[1]**2) * at_s) - "
-                   "p[1] / math.sqrt(1 - p[1]**2) * math.sin(8 * math.pi * math.sqrt(1 - p[1]**2) * at_s))"}),
-    ("elastic_joint", [10, 0.05], STEP + [("limit_radps", 2), ("at_s", 0.17)],
-     {"joint_rad": "elastic(p, lambda t: 2 * t, lambda t: 2, at_s)"}, SMALL_STEPS),
     # Joints: from an encoder's log.
-    ("mount_sag", [0.01, 0], [("logged_tilt_rad", 0.5), ("logged_pan_rad", 0.5), ("true_tilt_rad", -0.4)],
-     {"tilt_rad": "0.5 + p[0] * math.cos(0.5)", "pan_rad": "0.5",
-      "logged_tilt_rad": "root(lambda q: q + p[0] * math.cos(q) + 0.4, -1, 1)"}),
-    ("mount_sag", [-0.03, 0.7], [("logged_tilt_rad", -1)], {"tilt_rad": "-1 + p[0] * math.cos(-1 - p[1])"}),
     ("encoder_eccentricity", [0.01, 0.4], [("logged_pan_rad", 0.7), ("logged_tilt_rad", 0.7), ("true_pan_rad", 1.1)],
      {"pan_rad": "root(lambda q: q - 0.7 - p[0] * math.sin(q + p[1]), 0, 2)", "tilt_rad": "0.7",
       "logged_pan_rad": "1.1 - p[0] * math.sin(1.1 + p[1])"}),
@@ -301,9 +257,6 @@ PROOFS = [
     ("focus_variation", [0.015], RAY, {"u_px": "160 * 0.24 + 88.5", "u_focus_sigma_px": "p[0] * 160 * 0.24",
                                        "v_focus_sigma_px": "p[0] * 162 * 0.16"}),
     ("focus_variation", [0.1], OTHER_RAY, {"u_focus_sigma_px": "p[0] * 160 * 0.6", "v_focus_sigma_px": "p[0] * 162 * 0.4"}),
-    ("flat_port", [1.333, 0.03, 0], RAY, image("through_port(p, x_m, y_m, z_m) * x_m", "through_port(p, x_m, y_m, z_m) * y_m")),
-    ("flat_port", [1.34, 0.05, 0.02], OTHER_RAY,
-     image("through_port(p, x_m, y_m, z_m) * x_m", "through_port(p, x_m, y_m, z_m) * y_m")),
     ("pupil_shift", [0.003], RAY, image("x_m / slid(p, x_m, y_m, z_m)", "y_m / slid(p, x_m, y_m, z_m)")),
     ("pupil_shift", [-0.008], OTHER_RAY, image("x_m / slid(p, x_m, y_m, z_m)", "y_m / slid(p, x_m, y_m, z_m)")),
     ("fisheye", [-0.02, 0.001, 0, 0], RAY, image("fisheye(p, x_m, y_m, z_m) * x_m", "fisheye(p, x_m, y_m, z_m) * y_m")),
@@ -326,9 +279,6 @@ PROOFS = [
     ("thin_prism", [0, 0.01, -0.02, 0], RAY, image("(0.24 + p[1] * 0.0832**2)", "(-0.16 + p[2] * 0.0832)")),
     ("tangential_distortion", [0.004, -0.003], RAY, image("tangential(p, 0.24, -0.16)[0]", "tangential(p, 0.24, -0.16)[1]")),
     ("tangential_distortion", [0, 0.02], OTHER_RAY, image("tangential(p, -0.6, 0.4)[0]", "tangential(p, -0.6, 0.4)[1]")),
-    ("focal_drift", [1e-4, math.inf], RAY + [("t_s", 300)], {"u_px": "160 * 1.03 * 0.24 + 88.5", "v_px": "162 * 1.03 * -0.16 + 71.5"}),
-    ("focal_drift", [-2e-4, 40], OTHER_RAY + [("t_s", 100)],
-     image("-0.6 * (1 - 0.008 * (1 - math.exp(-2.5)))", "0.4 * (1 - 0.008 * (1 - math.exp(-2.5)))")),
     ("focal_length_error", [0.01, -0.02], RAY, {"u_px": "160 * 1.01 * 0.24 + 88.5", "v_px": "162 * 0.98 * -0.16 + 71.5"}),
     ("focal_length_error", [-0.1, 0], OTHER_RAY, {"u_px": "160 * 0.9 * -0.6 + 88.5", "v_px": "162 * 0.4 + 71.5"}),
     ("principal_point_offset", [2.5, -1.5], RAY, {"u_px": "160 * 0.24 + 91", "v_px": "162 * -0.16 + 70"}),
@@ -418,8 +368,6 @@ PROOFS = [
     ("heading_wander", [0.1, 1], [("lag_s", 0.25)], {"heading_covariance_rad2": "p[0]**2 * math.exp(-lag_s / p[1])"}),
     ("landmark_scatter", [0.03], [("range_m", 2)], {"place_sigma_m": "p[0]", "range_m": "range_m"}),
     ("landmark_scatter", [0.2], [("range_m", 1)], {"place_sigma_m": "p[0]", "range_covariance_m2": "0"}),
-    ("landmark_height", [2.2], [("range_m", 3)], {"range_m": "math.sqrt(9 + p[0]**2)"}),
-    ("landmark_height", [-0.5], [("range_m", 2), ("above_m", 1.2)], {"range_m": "math.sqrt(4 - 1.44 + (1.2 + p[0])**2)"}),
     ("landmark_delay", [0.1], [("range_m", 2)], {"delay_sigma_m": "p[0]", "place_sigma_m": "0"}),
     ("landmark_delay", [0.3], [("range_m", 1), ("lag_s", 5)], {"delay_sigma_m": "p[0]", "range_covariance_m2": "0"}),
     ("landmark_bias", [0.03, 0.1], [("lag_s", 5)], {"range_covariance_m2": "p[0]**2", "bearing_covariance_rad2": "p[1]**2"}),
@@ -497,14 +445,14 @@ PROOFS = [
 
 
 def number(value):
-    return "INFINITY" if math.isinf(value) else f"{value:.15g}"
+    return f"{value:.15g}"
 
 
 def proof_of(effect, values, given, expected, tolerance=None):
     names = {name: value for name, value in given}
     names.update(p=values, math=math, root=root, play=play, turned=turned, walked=walked, fisheye=fisheye, slid=slid,
                  tangential=tangential, rational=rational, swung=swung, sprung=sprung, beside=beside,
-                 rolled=rolled, elastic=elastic, through_port=through_port)
+                 rolled=rolled)
     found = {name: eval(text, dict(names)) for name, text in expected.items()}
     pairs = lambda items: "{" + ", ".join(f'{{"{name}", {number(value)}}}' for name, value in items) + "}"
     text = f"{{.values = {{{', '.join(number(v) for v in values)}}}"

@@ -43,12 +43,6 @@ SORTS |= {
     "uneven": LEGGED | {"jitter": 0.35, "lost": 0.03},
     # A supply that sags; in one set of three the column never changes.
     "volts": STIFF | {"volts": True},
-    # Dry friction that differs between the directions, by this share of a typical acceleration.
-    "unlike": STIFF | {"unlike": (0.04, 0.15)},
-    # A motor that warms up by so many kelvins over its runs, by a column.
-    "warm": STIFF | {"warms": (25, 50)},
-    # A load that swings on its drive, this many times faster than the controller, damped by this share.
-    "elastic": LEGGED | {"swings": (1.2, 3), "swing_damping": (0.03, 0.2)},
 }
 FRICTIONS = ("coulomb_friction", "load_friction", "stribeck_friction")
 
@@ -88,14 +82,6 @@ def truth_of(sort, draw):
         effects["servo_latency"] = {"latency_s": draw.uniform(*form["latency"])}
     if "steps" in form:
         effects["encoder_quantisation"] = {"step_rad": draw.choice(form["steps"])}
-    if "unlike" in form:
-        effects.setdefault("coulomb_friction", {"rad_per_s2": typical * draw.uniform(0.2, 0.5)})
-        effects["friction_asymmetry"] = {"rad_per_s2": draw.choice((-1, 1)) * typical * draw.uniform(*form["unlike"])}
-    if "warms" in form:
-        effects["motor_heating"] = {"per_k": draw.uniform(0.003, 0.006)}
-    if "swings" in form:
-        effects["elastic_joint"] = {"frequency_hz": rate * draw.uniform(*form["swings"]) / (2 * math.pi),
-                                    "damping": draw.uniform(*form["swing_damping"])}
     if "duty" in form:
         motor["max_duty"] = draw.uniform(*form["duty"])
         for name, power in (("stall_rad_per_s2", -1), ("gain", 1)):
@@ -107,8 +93,7 @@ def protocol(folder, sort, draw):
     form = SORTS[sort]
     gains = form["gains"] if form["gains"] and draw.random() < 0.8 else form["gains"][:1]
     names = "run,time_s,joint,command_rad,torque_enable" + (",kp" if gains else "") + (
-        ",voltage_v" if "volts" in form else "") + (",temperature_c" if "warms" in form else "")
-    warmer = draw.uniform(*form["warms"]) if "warms" in form else 0
+        ",voltage_v" if "volts" in form else "")
     rows, sag = [names], draw.choice((0, 0.4, 1.2)) if "volts" in form else 0
     for run in range(form["runs"]):
         ends = [draw.uniform(-1, 1) for _ in range(6)]
@@ -128,8 +113,6 @@ def protocol(folder, sort, draw):
             enabled = 0 if free and block in (2, 5) else 1
             kp = f",{gains[run % len(gains)]}" if gains else ""
             volts = f",{12 - sag * (0.3 * run / form['runs'] + 0.7 * at ** 2):.2f}" if "volts" in form else ""
-            if warmer:
-                volts += f",{25 + warmer * (1 - math.exp(-2 * (run + at) / form['runs'])):.1f}"
             if k == 0 or "lost" not in form or draw.random() >= form["lost"]:
                 rows.append(f"{run},{t:.{5 if 'jitter' in form else 3}f},joint,{command if k > 1 else 0:.5f},{enabled}"
                             f"{kp}{volts}")

@@ -67,8 +67,7 @@ Model model_around(const std::shared_ptr<const EffectDefinition>& effect) {
 Quantities timing_outcome(const Model& model, const Quantities& given) {
   const Timing timing = timing_of(model);
   const double stamp_s = value_of(given, "stamp_s"), row = value_of(given, "row");
-  const double taken_s = timing.in_lock(stamp_s, value_of(given, "cycle_s")) +
-                         timing.per_exposure * value_of(given, "frame_exposure_s");
+  const double taken_s = timing.in_lock(stamp_s, value_of(given, "cycle_s"));
   const double start_s = taken_s + timing.row_start_after_stamp_s(row, stamp_s);
   constexpr uint64_t kFrames = 20000;
   double square = 0;
@@ -116,7 +115,6 @@ Quantities joint_outcome(const Model& model, const Quantities& given) {
   ServoModel moving = servo_of(model);
   moving.rad_per_s = std::min(moving.rad_per_s, value_of(given, "limit_radps", INFINITY));
   Servo servo(std::move(moving), 0, value_of(given, "start_rad"));
-  servo.set_warmer(value_of(given, "warmer_k"));
   for (size_t i = 0; i < commands.size(); ++i) servo.command(times.at(i), commands[i]);
   servo.advance_to(value_of(given, "at_s"));
   out.push_back({"joint_rad", servo.joint_rad()});
@@ -128,9 +126,8 @@ Quantities joint_outcome(const Model& model, const Quantities& given) {
 Quantities image_outcome(const Model& model, const Quantities& given) {
   const Vec3 p_C(value_of(given, "x_m"), value_of(given, "y_m"), value_of(given, "z_m"));
   const Vec3 p_L = mount_of(model) * p_C;
-  const ImagePoint point =
-      Projection(model, kWidth_px, kHeight_px, Reaches::detector)
-          .project(p_C, value_of(given, "t_s"), 0, static_cast<int>(value_of(given, "channel", 1)));
+  const ImagePoint point = Projection(model, kWidth_px, kHeight_px, Reaches::detector)
+                               .project(p_C, 0, 0, static_cast<int>(value_of(given, "channel", 1)));
   const Few scatter = noise_of(model).point_scatter;
   return {{"link_x_m", p_L.x},
           {"link_y_m", p_L.y},
@@ -187,8 +184,7 @@ Quantities sensor_outcome(const Model& model, const Quantities& given) {
 
 Quantities detector_outcome(const Model& model, const Quantities& given) {
   Detection seen{.range_m = value_of(given, "range_m"),
-                 .bearing_rad = value_of(given, "bearing_rad"),
-                 .above_m = value_of(given, "above_m")};
+                 .bearing_rad = value_of(given, "bearing_rad")};
   apply_detector(model, seen);
   const Noise noise = noise_of(model);
   const double lag_s = value_of(given, "lag_s");

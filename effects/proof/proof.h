@@ -2,11 +2,10 @@
 // needs, given what the example gives.
 //
 // Quantities by stage; what is not given has the default in brackets, series repeat a name:
-//   timing       stamp_s [0], row [0], cycle_s [0: the head repeats nothing], frame_exposure_s [0]
+//   timing       stamp_s [0], row [0], cycle_s [0: the head repeats nothing]
 //                -> start_s, middle_s, end_s of the row's exposure; own_latency_rms_s of many
 //                frames
-//   joint        start_rad [0], limit_radps [none], warmer_k [0], then command_s and command_rad in
-//                pairs, at_s
+//   joint        start_rad [0], limit_radps [none], then command_s and command_rad in pairs, at_s
 //                -> joint_rad; effects of a motor beside one with stall_rad_per_s2 200,
 //                back_emf_per_s 10, gain 0.5
 //                logged_tilt_rad, logged_pan_rad, logged_roll_rad (series of the encoder's log)
@@ -14,7 +13,7 @@
 //                true_pan_rad -> logged_pan_rad; likewise tilt, roll
 //                lag_s [0] -> joint_covariance_rad2 of the log's error
 //   mount        x_m, y_m, z_m in the camera -> link_x_m, link_y_m, link_z_m
-//   geometry,    x_m, y_m, z_m in the camera, channel [1: green], t_s [0] -> u_px, v_px,
+//   geometry,    x_m, y_m, z_m in the camera, channel [1: green] -> u_px, v_px,
 //   corner_      scatter_variance_px2; with fx_px 160, fy_px 162, cx_px 88.5, cy_px 71.5
 //   radiometry,  u_px, v_px in 178 x 144 -> gain; start_s, exposure_s -> lamp;
 //   light        light, mean_light -> seen_light; edge_px from an edge -> edge_light
@@ -22,8 +21,7 @@
 //   sensor       light [0.5], exposure_s [0.01], exposure_ratio [1], channel [1: green], u_px, v_px
 //                -> mean_dn, variance_dn2 (in time), row_variance_dn2, pattern_mean_dn,
 //                pattern_variance_dn2, wave_dn; value_dn -> file_dn; with gain_dn 200, black_dn 8
-//   detector     range_m, bearing_rad, above_m [0]
-//                -> range_m, bearing_rad, range_sigma_m, bearing_sigma_rad;
+//   detector     range_m, bearing_rad -> range_m, bearing_rad, range_sigma_m, bearing_sigma_rad;
 //                lag_s [0] -> range_covariance_m2, bearing_covariance_rad2 of one landmark's
 //                errors, heading_covariance_rad2; tail_mean_m, tail_variance_m2; place_sigma_m,
 //                delay_sigma_m

@@ -192,15 +192,6 @@ double follow_play(double width_rad, double motor_rad, double load_rad) {
   return std::clamp(load_rad, motor_rad - 0.5 * width_rad, motor_rad + 0.5 * width_rad);
 }
 
-double GearRipple::at(double q_rad) const {
-  return amplitude_rad == 0 ? 0 : amplitude_rad * maths::sin(per_turn * q_rad + phase_rad);
-}
-
-double GearRipple::slope_at(double q_rad) const {
-  return amplitude_rad == 0 ? 0
-                            : amplitude_rad * per_turn * maths::cos(per_turn * q_rad + phase_rad);
-}
-
 ServoModel servo_of(const Model& model) {
   ServoModel servo;
   for (const ModelEffect& effect : model.effects()) {
@@ -211,18 +202,14 @@ ServoModel servo_of(const Model& model) {
 }
 
 ServoState servo_at_rest(const ServoModel& servo, double joint_rad) {
-  // Newton's method, where sag and ripple let the joint's angle increase with the motor's.
+  // q - sag cos(q - level) = joint: Newton's method; |sag| < 1 makes the left side increase.
   double q = joint_rad;
-  for (int step = 0; step < 20 && (servo.sag_rad != 0 || servo.ripple.amplitude_rad != 0); ++step) {
-    const double turned = q + servo.ripple.at(q);
-    const double miss = turned - servo.sag_rad * maths::cos(turned - servo.level_rad) - joint_rad;
-    const double slope =
-        (1 + servo.sag_rad * maths::sin(turned - servo.level_rad)) * (1 + servo.ripple.slope_at(q));
-    if (!(slope > 0)) break;
-    q -= miss / slope;
+  for (int step = 0; step < 20 && servo.sag_rad != 0; ++step) {
+    const double miss = q - servo.sag_rad * maths::cos(q - servo.level_rad) - joint_rad;
+    q -= miss / (1 + servo.sag_rad * maths::sin(q - servo.level_rad));
     if (std::abs(miss) < 1e-15) break;
   }
-  return {.motor_rad = q, .motor_radps = 0, .load_rad = q, .elastic = {.q_rad = q}};
+  return {.motor_rad = q, .motor_radps = 0, .load_rad = q};
 }
 
 void advance_servo(const ServoModel& servo, double command_rad, double dt_s, ServoState& state) {
@@ -248,40 +235,8 @@ void advance_servo(const ServoModel& servo, MotorInput input, double dt_s, Servo
   }
 }
 
-void advance_joint(const ServoModel& servo, const MotorInput& input, double dt_s,
-                   ServoState& state) {
-  MotorInput now = input;
-  const auto advance = [&](double step_s) {
-    if (servo.torque.present)
-      advance_servo(servo, now, step_s, state);
-    else
-      advance_servo(servo, now.command_rad, step_s, state);
-  };
-  if (!servo.elastic.present()) return advance(dt_s);
-  const double begun_rad = state.load_rad;
-  // What jumps to its command does so at once.
-  constexpr double kAtOnce_s = 1e-12;
-  if (!servo.torque.present && dt_s > 0) {
-    advance(kAtOnce_s);
-    follow_jump(servo.elastic, state.load_rad - begun_rad, state.elastic);
-  }
-  // A drive that is there stays: one step, however long.
-  const bool stands = !servo.torque.present && state.motor_rad == input.command_rad;
-  const int steps =
-      stands ? 1 : std::max(1, static_cast<int>(std::ceil(dt_s / servo.elastic.step_s())));
-  const double step_s = dt_s / steps;
-  const SwingingLoad load(servo.elastic, step_s);
-  for (int k = 0; k < steps; ++k) {
-    const double before_rad = state.load_rad;
-    now.command_rad = input.command_rad + input.command_radps * step_s * k;
-    advance(step_s);
-    load.follow(before_rad, state.load_rad, state.elastic);
-  }
-}
-
 double joint_angle(const ServoModel& servo, const ServoState& state) {
-  double q = servo.elastic.present() ? state.elastic.q_rad : state.load_rad;
-  q += servo.ripple.at(q);
+  const double q = state.load_rad;
   return servo.sag_rad == 0 ? q : q - servo.sag_rad * maths::cos(q - servo.level_rad);
 }
 
@@ -299,26 +254,21 @@ void Servo::command(double t_s, double command_rad, bool enabled, double kp) {
 }
 
 void Servo::begin_moving(double radps, double command_rad, bool enabled, double kp) {
-  state_.motor_radps = state_.elastic.w_radps = radps;
+  state_.motor_radps = radps;
   begun_ = true;
   input_.command_rad = command_rad, input_.enabled = enabled, input_.kp = kp;
-}
-
-// No command acts: the drive stays where it is, and what hangs on it elastically swings on.
-void Servo::rest(double dt_s) {
-  state_.motor_radps = 0;
-  if (begun_ && model_.elastic.present())
-    SwingingLoad(model_.elastic, dt_s).follow(state_.load_rad, state_.load_rad, state_.elastic);
 }
 
 void Servo::advance_to(double t_s) {
   while (true) {
     const bool more = next_ < queue_.size() && queue_[next_].acts_s < t_s - kSameTime_s;
     const double until = more ? std::max(queue_[next_].acts_s, now_s_) : t_s;
-    if (begun_ && (model_.torque.present || input_.enabled))
-      advance_joint(model_, input_, until - now_s_, state_);
+    if (begun_ && model_.torque.present)
+      advance_servo(model_, input_, until - now_s_, state_);
+    else if (begun_ && input_.enabled)
+      advance_servo(model_, input_.command_rad, until - now_s_, state_);
     else
-      rest(until - now_s_);
+      state_.motor_radps = 0;
     now_s_ = std::max(now_s_, until);
     if (!more) return;
     begun_ = true;

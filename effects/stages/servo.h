@@ -10,22 +10,11 @@
 #include <vector>
 
 #include "effects/model.h"
-#include "effects/stages/torque/elastic.h"
 #include "effects/stages/torque/torque.h"
 
 namespace seam::effects {
 
 // What the servo effects of a model add up to.
-// A wave of the gears over the joint's angle.
-struct GearRipple {
-  double amplitude_rad = 0;
-  double per_turn = 0;
-  double phase_rad = 0;
-
-  double at(double q_rad) const;
-  double slope_at(double q_rad) const;
-};
-
 struct ServoModel {
   double latency_s = 0;  // A command acts this much after its time.
   double tau_s = 0;      // Wanted rate = (command - q) / tau; 0: at the command at once.
@@ -35,9 +24,7 @@ struct ServoModel {
   double backlash_rad = 0;   // Play between motor and load.
   double sag_rad = 0;        // The load hangs by sag * cos(q - level).
   double level_rad = 0;
-  ElasticJoint elastic;  // Between the play and the load that sags.
-  GearRipple ripple;     // Before the load sags.
-  TorqueModel torque;    // Where present it moves the motor instead of the rules above.
+  TorqueModel torque;  // Where present it moves the motor instead of the rules above.
   // Joint formulas (expression effects), in order: their result replaces the angle.
   std::vector<ModelEffect> formulas;
 };
@@ -49,8 +36,7 @@ ServoModel servo_of(const Model& model);
 struct ServoState {
   double motor_rad = 0;
   double motor_radps = 0;
-  double load_rad = 0;        // Behind the play, before sag.
-  ElasticState elastic = {};  // The load behind an elastic joint.
+  double load_rad = 0;  // Behind the play, before sag.
 };
 
 // At rest with the joint (behind backlash and sag) at this angle, the play centred.
@@ -62,11 +48,7 @@ void advance_servo(const ServoModel& servo, MotorInput input, double dt_s, Servo
 // Moves one without for `dt_s` under a command that holds. Exact: a sequence of closed-form pieces.
 void advance_servo(const ServoModel& servo, double command_rad, double dt_s, ServoState& state);
 
-// Moves a servo of either sort, and the load that hangs on it elastically.
-void advance_joint(const ServoModel& servo, const MotorInput& input, double dt_s,
-                   ServoState& state);
-
-// The joint's angle: behind backlash, elasticity and sag, before formulas.
+// The joint's angle: behind backlash and sag, before formulas.
 double joint_angle(const ServoModel& servo, const ServoState& state);
 
 // The load of a play of this width that follows a motor moving monotonically to `motor_rad`.
@@ -89,9 +71,6 @@ class Servo {
   // The supply of a motor from now on, in units of its median.
   void set_voltage(double ratio) { input_.voltage = ratio; }
 
-  // By how much a motor is warmer from now on than the reference.
-  void set_warmer(double warmer_k) { input_.strength = model_.torque.strength_at(warmer_k); }
-
   // Moves to `t_s`, to just before commands that act at that very time (within a nanosecond).
   void advance_to(double t_s);
 
@@ -101,8 +80,6 @@ class Servo {
   const ServoModel& model() const { return model_; }
 
  private:
-  void rest(double dt_s);
-
   struct Pending {
     double acts_s;
     double command_rad;
