@@ -36,6 +36,14 @@ export async function openPage(browser, size = { width: 1280, height: 800 }) {
   return { page, errors };
 }
 
+/** Until this holds in the page. Asked from here: a page's content policy refuses what `waitForFunction` would evaluate there. */
+export async function until(page, holds, given = undefined, limit_ms = 30_000) {
+  for (const end = Date.now() + limit_ms; !(await page.evaluate(holds, given));) {
+    if (Date.now() > end) throw new Error(`not within ${limit_ms} ms: ${holds}`);
+    await page.waitForTimeout(20);
+  }
+}
+
 /** In the page: each text whose contrast with what is beneath it is less than 4.5:1, or 3:1 where it is large. */
 export function faintTexts() {
   const channels = (colour) => colour.match(/[\d.]+/g).map(Number);

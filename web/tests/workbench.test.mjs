@@ -5,7 +5,7 @@ import assert from "node:assert/strict";
 import { existsSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
-import { faintTexts, launch, openPage, skip } from "./browser.mjs";
+import { faintTexts, launch, openPage, skip, until } from "./browser.mjs";
 import { MockSession, serve } from "./mock_workbench.mjs";
 
 const share = process.argv[2];
@@ -71,19 +71,19 @@ async function previewAddUndo(page, server) {
   await page.mouse.move(700, 20);
   await option(page, "rolling_shutter").click();
   await page.locator(".context.previewing").getByRole("button", { name: /Add/ }).click();
-  await page.waitForFunction(() => document.querySelector(".headline")?.textContent.startsWith("Adequate"));
+  await until(page, () => document.querySelector(".headline")?.textContent.startsWith("Adequate"));
   assert.ok(await error(page) < 1.1);
   assert.match(await page.locator(".command code").innerText(), /^seam add rolling_shutter /);
   await page.keyboard.press("Control+z");
-  await page.waitForFunction((was) => Number(document.querySelector(".figure-of-merit b").textContent) > was - 0.01, before);
+  await until(page, (was) => Number(document.querySelector(".figure-of-merit b").textContent) > was - 0.01, before);
   await page.getByRole("button", { name: "Redo" }).click();
-  await page.waitForFunction(() => document.querySelector(".headline")?.textContent.startsWith("Adequate"));
+  await until(page, () => document.querySelector(".headline")?.textContent.startsWith("Adequate"));
   await page.getByRole("button", { name: "Undo" }).click();
-  await page.waitForFunction(() => !document.querySelector(".headline")?.textContent.startsWith("Adequate"));
+  await until(page, () => !document.querySelector(".headline")?.textContent.startsWith("Adequate"));
   // Acting from an older version branches.
   await option(page, "frame_latency").click();
   await page.locator(".context.previewing").getByRole("button", { name: /Add/ }).click();
-  await page.waitForFunction(() => document.querySelector(".command code").textContent.includes("frame_latency"));
+  await until(page, () => document.querySelector(".command code").textContent.includes("frame_latency"));
   assert.deepEqual(server.session.versions.map((one) => one.parent), [null, "1", "1"]);
 }
 
@@ -118,7 +118,7 @@ async function chooseAndLeaveOut(page, server) {
   await page.locator(".left-out").waitFor();
   assert.match(await page.locator(".left-out").innerText(), /the head was pushed/);
   await page.getByRole("button", { name: "Undo" }).click();
-  await page.waitForFunction(() => !document.querySelector(".left-out"));
+  await until(page, () => !document.querySelector(".left-out"));
 }
 
 async function formulaAndSession(page, server) {
@@ -130,11 +130,11 @@ async function formulaAndSession(page, server) {
   await page.keyboard.type("u: k * row");
   await page.getByText("The formula is right; it fits k.").waitFor();
   await page.getByRole("button", { name: "Fit and add" }).click();
-  await page.waitForFunction(() => document.querySelector(".command code").textContent.includes("my_effect"));
+  await until(page, () => document.querySelector(".command code").textContent.includes("my_effect"));
   await toScreen(page, "Session");
   await page.getByLabel(/^Note on version 1$/).fill("as the data sheet has it");
   await page.locator("h1").click();
-  await page.waitForFunction(() => document.querySelector(".saved").textContent === "saved");
+  await until(page, () => document.querySelector(".saved").textContent === "saved");
   await page.reload();
   await page.locator("pre.script").waitFor();
   assert.equal(await page.getByLabel(/^Note on version 1$/).inputValue(), "as the data sheet has it", "a reload loses nothing");
@@ -155,7 +155,7 @@ async function byKeyboard(browser) {
   await page.keyboard.press("Home");
   await page.locator(".context.previewing[data-preview=rolling_shutter][data-how=linear]").waitFor();
   await page.keyboard.press("Enter");
-  await page.waitForFunction(() => document.querySelector(".headline")?.textContent.startsWith("Adequate"));
+  await until(page, () => document.querySelector(".headline")?.textContent.startsWith("Adequate"));
   await page.keyboard.press("Alt+5");
   await page.locator(".tree").waitFor();
   assert.deepEqual(errors, [], "console");
@@ -171,7 +171,7 @@ async function onTelephone(browser) {
   await page.locator(".context.previewing[data-how=linear]").waitFor();
   assert.ok(!(await option(page, "rolling_shutter").isVisible()), "the sheet closes over the preview");
   await page.locator(".context.previewing").getByRole("button", { name: /Add/ }).click();
-  await page.waitForFunction(() => document.querySelector(".headline")?.textContent.startsWith("Adequate"));
+  await until(page, () => document.querySelector(".headline")?.textContent.startsWith("Adequate"));
   await fits(page, "Work after a step, 390 px", "light");
   assert.deepEqual(errors, [], "console");
   await page.close();
