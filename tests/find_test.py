@@ -155,7 +155,7 @@ class Find(unittest.TestCase):
         address = viewer.stdout.readline().strip()
         viewer.send_signal(signal.SIGINT)
         viewer.communicate(timeout=30)
-        self.assertRegex(address, r"^http://127\.0\.0\.1:\d+/\?t=1\.\d{3}&robot=red-1$")
+        self.assertRegex(address, r"^http://127\.0\.0\.1:\d+/\?t=1\.\d{3}&robot=red-1#token=[0-9a-f]{64}$")
         refused = subprocess.run([SEAM, "view", self.log, "--robot", "red3"], capture_output=True, text=True, timeout=60)
         self.assertEqual(refused.returncode, 2)
         self.assertIn("red2", refused.stderr)

@@ -269,14 +269,20 @@ class Hostile(unittest.TestCase):
     def looked_at(self, line, usual):
         with subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, **usual) as server:
             said = server.stdout.readline()
-            found = re.search(rb"http://[^/]*/", said)
+            found = re.search(rb"(http://[^/]*/).*#token=(\w+)", said)
+            cookie = ""
+            if found:
+                token = json.dumps({"token": found[2].decode()}).encode()
+                with urllib.request.urlopen(found[1].decode() + "api/enter", token, timeout=30) as answer:
+                    cookie = answer.headers["Set-Cookie"].split(";")[0]
             for path in ("api/info", "api/state?t=0.1", "api/frame?robot=r0&frame=0", "api/frame?robot=..%2f..%2fdecoys&frame=0",
                          "../../decoys/secret.txt", "%2e%2e/%2e%2e/decoys/secret.txt", "..%2f..%2fdecoys%2fsecret.txt",
                          "api/events?log=../../decoys"):
                 if not found:
                     break
                 try:
-                    with urllib.request.urlopen(found.group().decode() + path, timeout=30) as answer:
+                    request = urllib.request.Request(found[1].decode() + path, headers={"Cookie": cookie})
+                    with urllib.request.urlopen(request, timeout=30) as answer:
                         self.assertNotIn(b"mine\n", answer.read(), path)
                 except urllib.error.HTTPError as error:
                     self.assertNotIn(b"mine\n", error.read(), path)

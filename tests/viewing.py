@@ -11,14 +11,17 @@ def viewer(seam, log):
     """Gives a function: ask("series", robot="red1") is the answer, parsed where it is JSON, else as bytes; ask.address is
     that of the page."""
     process = subprocess.Popen([seam, "view", log], stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True)
-    address = process.stdout.readline().strip()
+    address, _, token = process.stdout.readline().strip().partition("#token=")
+    with urllib.request.urlopen(f"{address}api/enter", json.dumps({"token": token}).encode(), timeout=60) as entered:
+        cookie = entered.headers["Set-Cookie"].split(";")[0]
 
     def ask(what, **query):
-        with urllib.request.urlopen(f"{address}api/{what}?{urllib.parse.urlencode(query)}", timeout=60) as answer:
+        request = urllib.request.Request(f"{address}api/{what}?{urllib.parse.urlencode(query)}", headers={"Cookie": cookie})
+        with urllib.request.urlopen(request, timeout=60) as answer:
             content = answer.read()
             return json.loads(content) if answer.headers["Content-Type"] == "application/json" else content
 
-    ask.address = address
+    ask.address = f"{address}#token={token}"
     try:
         yield ask
     finally:

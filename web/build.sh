@@ -27,7 +27,5 @@ for page in report viewer workbench; do
   SEAM_WEB_OUT=$out npx --no-install vite build --mode "$page" --logLevel warn >"$log" 2>&1 ||
     { cat "$log" >&2; exit 1; }
 done
-mkdir -p "$out/viewer"
-mv "$out/viewer.html" "$out/viewer/index.html"  # Where `seam view` looks (docs/reference/viewer_api.md).
-mv "$out/workbench/workbench.html" "$out/workbench/index.html"
+for page in viewer workbench; do mv "$out/$page/$page.html" "$out/$page/index.html"; done
 touch "$stamp"

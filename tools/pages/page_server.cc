@@ -15,7 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMostBodyToEnter = 4096;
+constexpr const char* kPolicy =
+    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: "
+    "blob:; font-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'";
 
 // 256 bits of the system's randomness, as hexadecimal digits.
 std::string secret_text() {
@@ -74,24 +77,22 @@ void answer_json(httplib::Response& response, const nlohmann::json& json, int st
 
 PageServer::PageServer(const Settings& settings)
     : settings_(settings),
-      token_(settings.secret ? secret_text() : ""),
-      cookie_(settings.secret ? secret_text() : ""),
+      token_(secret_text()),
+      cookie_(secret_text()),
       server_(settings.threads, [this](std::string_view head) {
         return has_cookie(head) ? settings_.most_body
                                 : std::min(settings_.most_body, kMostBodyToEnter);
       }) {
-  server_.set_payload_max_length(std::max(settings_.most_body, size_t{1}));
-  httplib::Headers headers = {{"X-Content-Type-Options", "nosniff"},
-                              {"Referrer-Policy", "no-referrer"},
-                              {"Cross-Origin-Resource-Policy", "same-origin"},
-                              {"Cross-Origin-Opener-Policy", "same-origin"}};
-  if (!settings_.policy.empty()) headers.emplace("Content-Security-Policy", settings_.policy);
-  server_.set_default_headers(std::move(headers));
+  server_.set_payload_max_length(settings_.most_body);
+  server_.set_default_headers({{"X-Content-Type-Options", "nosniff"},
+                               {"Referrer-Policy", "no-referrer"},
+                               {"Cross-Origin-Resource-Policy", "same-origin"},
+                               {"Cross-Origin-Opener-Policy", "same-origin"},
+                               {"Content-Security-Policy", kPolicy}});
   server_.set_pre_routing_handler(
       [this](const httplib::Request& request, httplib::Response& response) {
         const std::string trouble = trouble_with(request);
-        const bool open =
-            !settings_.secret || !request.path.starts_with("/api/") || request.path == "/api/enter";
+        const bool open = !request.path.starts_with("/api/") || request.path == "/api/enter";
         if (!trouble.empty()) {
           refuse(response, 403, trouble);
         } else if (!open && !has_cookie("\r\nCookie: " + request.get_header_value("Cookie"))) {
@@ -106,8 +107,7 @@ PageServer::PageServer(const Settings& settings)
   server_.set_error_handler([](const httplib::Request&, httplib::Response& response) {
     if (response.body.empty()) refuse(response, response.status, "there is nothing here");
   });
-  if (settings_.secret)
-    post("/api/enter", [this](const auto& request, auto& response) { enter(request, response); });
+  post("/api/enter", [this](const auto& request, auto& response) { enter(request, response); });
   const fs::path folder = page_folder(settings_);
   if (!fs::exists(folder / "index.html") || !server_.set_mount_point("/", folder.string()))
     std::fprintf(stderr, "%s: no page there; scripts/build.sh builds it. /api works.\n",
@@ -129,7 +129,6 @@ std::string PageServer::trouble_with(const httplib::Request& request) const {
 }
 
 bool PageServer::has_cookie(std::string_view head) const {
-  if (!settings_.secret) return true;
   const std::string name = fmt::format("seam-{}=", port_);
   for (size_t at = head.find(name); at != std::string_view::npos; at = head.find(name, at + 1)) {
     if (same_secret(head.substr(at + name.size(), cookie_.size()), cookie_)) return true;
@@ -164,8 +163,8 @@ void PageServer::serve(int port, const std::string& then) {
                     : (server_.bind_to_port("127.0.0.1", port) ? port : -1);
   if (port_ < 0) throw InputError(fmt::format("--port {}: cannot be had", port));
   server_.lengthen_queue();
-  std::printf("http://127.0.0.1:%d/%s%s\nCtrl-C ends it.\n", port_, then.c_str(),
-              token_.empty() ? "" : ("#token=" + token_).c_str());
+  std::printf("http://127.0.0.1:%d/%s#token=%s\nCtrl-C ends it.\n", port_, then.c_str(),
+              token_.c_str());
   std::fflush(stdout);
   server_.listen_after_bind();
 }

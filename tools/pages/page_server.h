@@ -1,6 +1,7 @@
 // A page for whoever sits at this machine, and the rules that its requests must keep
-// (docs/reference/workbench_api.md, "Safety"): the address is loopback, Host names it, and no page
-// of another origin asks. A server with a secret answers /api only to who has the cookie for it.
+// (docs/reference/workbench_api.md, "Safety"): the address is loopback, Host names it, no page of
+// another origin asks, and /api answers only to who has the cookie. The page runs no script but its
+// own files.
 #pragma once
 
 #include <filesystem>
@@ -17,12 +18,13 @@ class PageServer {
  public:
   using Answer = std::function<void(const httplib::Request&, httplib::Response&)>;
 
+  // Of a request without the cookie: the token alone.
+  static constexpr size_t kMostBodyToEnter = 4096;
+
   struct Settings {
     std::string folder;                 // Of the page, below share/seam.
     const char* folder_from = nullptr;  // An environment variable that names another one.
-    std::string policy;                 // Content-Security-Policy; empty: none.
-    bool secret = false;                // Whether /api asks for the cookie.
-    size_t most_body = 0;
+    size_t most_body = kMostBodyToEnter;
     int threads = GatedServer::kUsualThreads;
   };
   explicit PageServer(const Settings& settings);
@@ -42,7 +44,7 @@ class PageServer {
   void enter(const httplib::Request& request, httplib::Response& response) const;
 
   const Settings settings_;
-  const std::string token_, cookie_;  // Of a server with a secret.
+  const std::string token_, cookie_;
   int port_ = 0;
   GatedServer server_;
 };

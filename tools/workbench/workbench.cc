@@ -21,10 +21,6 @@ using nlohmann::json;
 
 constexpr size_t kMostBody = size_t{512} << 20;  // Of files that are dropped on the page.
 constexpr int kThreads = 16;                     // Streams of events keep one each.
-constexpr const char* kPolicy =
-    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: "
-    "blob:; font-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; "
-    "frame-ancestors 'none'";
 
 struct Settings {
   std::vector<std::string> named;
@@ -209,8 +205,6 @@ class Workbench {
   Desk desk_;
   PageServer server_{{.folder = "workbench",
                       .folder_from = "SEAM_WORKBENCH_DIR",
-                      .policy = kPolicy,
-                      .secret = true,
                       .most_body = kMostBody,
                       .threads = kThreads}};
 };

@@ -6,7 +6,8 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { launch, openPage } from "./browser.mjs";
 
-const [address] = process.argv.slice(2);
+const [printed] = process.argv.slice(2);
+const [address] = printed.split("#");
 const { when, marks } = JSON.parse(readFileSync(0, "utf8"));
 const camera = { width_px: 178, height_px: 144 };
 const limit = { timeout: 20000 };
@@ -31,7 +32,7 @@ const under = (u, v) => page.locator('canvas[data-name="camera a"]').evaluate((c
   return { ring, colour: [...context.getImageData(x, y, 1, 1).data].slice(0, 3) };
 }, [u, v, camera]);
 
-await page.goto(address);
+await page.goto(printed);
 await page.locator("canvas[data-name=timeline]").waitFor(limit);
 await page.keyboard.press("/");
 await page.getByLabel("Condition").fill(when);

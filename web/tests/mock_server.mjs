@@ -2,8 +2,9 @@
 // development need no log. `node tests/mock_server.mjs SHARE [logs]` prints its address.
 import { readFileSync } from "node:fs";
 import { createServer } from "node:http";
-import { join } from "node:path";
+import { basename, dirname, extname, join } from "node:path";
 import { fileURLToPath } from "node:url";
+import { policy, types } from "./mock_workbench.mjs";
 import { png } from "./png.mjs";
 
 const width = 178;
@@ -215,14 +216,16 @@ function answer(path, query, logs) {
   return undefined;
 }
 
-/** Serves `page` and the interface on loopback; resolves to {url, close}. */
+/** Serves the folder of `page` and the interface on loopback, under the real server's content policy; resolves to {url, close}. */
 export function serve(page, logCount = 1) {
   const logs = [info("a", 1200, "7"), info("b", 900, "8")].slice(0, logCount);
   const server = createServer((request, response) => {
     const url = new URL(request.url, "http://127.0.0.1");
-    if (url.pathname === "/" || url.pathname === "/index.html") {
-      response.setHeader("Content-Type", "text/html; charset=utf-8");
-      return response.end(readFileSync(page));
+    response.setHeader("Content-Security-Policy", policy);
+    if (!url.pathname.startsWith("/api/")) {
+      const file = url.pathname === "/" ? page : join(dirname(page), "assets", basename(url.pathname));
+      response.setHeader("Content-Type", types[extname(file)] ?? "text/plain");
+      return response.end(readFileSync(file));
     }
     const path = url.pathname.replace("/api/", "");
     if (path === "frame") {

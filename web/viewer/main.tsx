@@ -1,4 +1,5 @@
 import { render } from "preact";
+import { enterByAddress } from "../shared/enter";
 import "../shared/theme.css";
 import { App } from "./app";
 import { openSearch } from "./find";
@@ -8,7 +9,8 @@ import { load, problem } from "./store";
 import "./viewer.css";
 
 render(<App />, document.getElementById("app")!);
-load()
+enterByAddress()
+  .then(load)
   .then(() => {
     startPlayer();
     keepLanes();

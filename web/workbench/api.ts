@@ -49,7 +49,6 @@ function sessionOf(wire: WireState): Session {
 
 const stateOf = async (answer: Promise<WireState>): Promise<Session> => sessionOf(await answer);
 
-export const enter = (token: string) => post<unknown>("enter", { token });
 export const session = () => stateOf(json("state"));
 export const open = (path: string) => stateOf(post("open", { path }));
 export const add = (revision: number, effect: string) => stateOf(post("add", { revision, effect }));

@@ -1,5 +1,6 @@
 // What the page shows, and what a person can do to it. Components read the signals; the server keeps what is saved.
 import { batch, computed, effect, signal } from "@preact/signals";
+import { enterByAddress } from "../shared/enter";
 import type { Structure } from "../shared/types";
 import * as api from "./api";
 import type { LeftOut, Search, Session, Version } from "./model";
@@ -265,11 +266,7 @@ function keepScreen(): void {
 }
 
 export async function start(): Promise<void> {
-  const token = new URLSearchParams(location.hash.slice(1)).get("token");
-  if (token) {
-    history.replaceState(null, "", location.pathname);
-    await api.enter(token);
-  }
+  await enterByAddress();
   take(await api.session());
   keepScreen();
   shareSelection();
