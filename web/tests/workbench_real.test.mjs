@@ -1,0 +1,195 @@
+// A person's whole journey through the program itself, `seam workbench`: from the misfit to a model, on a wide page and on a
+// narrow one; then the other kinds of measurements in short. `workbench_real.test.mjs SHARE SEAM SOURCE`.
+import assert from "node:assert/strict";
+import { spawn, spawnSync } from "node:child_process";
+import { existsSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { launch, openPage, skip, until } from "./browser.mjs";
+import { makeSets } from "./made_sets.mjs";
+
+const [share, seam, source] = process.argv.slice(2);
+if (!existsSync(join(share, "workbench/index.html"))) skip(`${share}/workbench was not built`);
+const shots = process.env.SEAM_SCREENSHOTS;
+const limit_ms = 120_000;
+const scratch = mkdtempSync(join(tmpdir(), "seam-workbench-"));
+
+function run(program, words, environment = {}) {
+  const done = spawnSync(program, words, { cwd: scratch, encoding: "utf8", env: { ...process.env, ...environment } });
+  assert.equal(done.status, 0, `${program} ${words.join(" ")}: ${done.stdout}${done.stderr}`);
+}
+
+/** The program with sessions beside `session`, and the address that it prints. */
+async function serve(session) {
+  const sets = ["room", "servo", "flats", "walk"].map((name) => join(scratch, name));
+  const process_ = spawn(seam, ["workbench", ...sets, "--session", session], {
+    cwd: scratch, stdio: ["ignore", "pipe", "inherit"], env: { ...process.env, XDG_STATE_HOME: session, SEAM_WORKBENCH_DIR: join(share, "workbench") } });
+  const address = await new Promise((done, fail) => {
+    let text = "";
+    process_.stdout.on("data", (piece) => {
+      text += piece;
+      if (text.includes("\n")) done(text.split("\n")[0]);
+    });
+    process_.on("exit", (code) => fail(new Error(`seam workbench ended with ${code}`)));
+  });
+  return { address, end: () => process_.kill() };
+}
+
+const option = (page, name) => page.locator(`#candidate-${name}`);
+const saved = (session) => JSON.parse(readFileSync(join(session, "session.json"), "utf8"));
+const toScreen = (page, name) => page.getByRole("navigation").getByRole("button", { name, exact: true }).click();
+const error = async (page) => Number(await page.locator(".figure-of-merit b").first().innerText());
+const shot = async (page, name) => shots && page.screenshot({ path: join(shots, `real_${name}_${page.viewportSize().width}.png`) });
+
+/** Until the page shows a version with its error and its plots. */
+async function shows(page, id) {
+  await until(page, (wanted) => document.querySelector(".head .quiet.small")?.textContent.includes(`version ${wanted},`) &&
+    Number.isFinite(parseFloat(document.querySelector(".figure-of-merit b")?.textContent)) &&
+    document.querySelector("[data-drawn=true]") !== null, id, limit_ms);
+}
+
+/** Points at a candidate as the size of the page wants it, until its residuals are in the plots. */
+async function preview(page, name) {
+  await option(page, name).waitFor({ state: "attached", timeout: limit_ms });
+  const narrow = page.viewportSize().width < 700;
+  if (narrow) await page.getByRole("button", { name: /Structure and candidates/ }).click();
+  await option(page, name).click();
+  await page.locator(`.context.previewing[data-preview="${name}"]:is([data-how=fit], [data-how=linear])`).waitFor({ timeout: limit_ms });
+  assert.equal(await page.locator(".figures").getAttribute("data-preview"), `With ${name}`);
+}
+
+const add = (page) => page.locator(".context.previewing").getByRole("button", { name: /Add/ }).click();
+
+async function downloaded(page, label) {
+  const waiting = page.waitForEvent("download");
+  await page.getByRole("link", { name: label, exact: true }).click();
+  return readFileSync(await (await waiting).path());
+}
+
+/** Structure, preview, add, undo, branch. */
+async function findTheCause(page, session) {
+  await shows(page, "001");
+  const first = await error(page);
+  assert.ok(first > 2, `the error without the effect: ${first}`);
+  await until(page, () => document.querySelector("[aria-label=Covariate]")?.value === "row*pan_rate");
+  await preview(page, "rolling_shutter");
+  assert.ok(Math.abs(Number(await page.locator(".error-line").getAttribute("data-ghost")) - 1) < 0.1, "the preview's error");
+  await shot(page, "preview");
+  await add(page);
+  await shows(page, "002");
+  assert.ok(Math.abs(await error(page) - 1) < 0.05, `the error with the effect: ${await error(page)}`);
+  await page.getByRole("button", { name: "Undo" }).click();
+  await shows(page, "001");
+  assert.equal(await error(page), first);
+  await preview(page, "frame_latency");
+  await add(page);
+  await shows(page, "003");
+  assert.deepEqual(saved(session).versions.map((one) => one.parent), ["", "001", "001"]);
+  return first;
+}
+
+/** Back to the better branch, without rows that lie far off, with a reason and a note. */
+async function leaveRowsOut(page) {
+  await toScreen(page, "Session");
+  await page.locator(".tree li", { hasText: "rolling_shutter" }).getByRole("button", { name: "Go there" }).click();
+  await toScreen(page, "Work");
+  await shows(page, "002");
+  await page.getByLabel("Choose rows by a rule").selectOption("3");
+  await page.getByRole("heading", { name: /rows chosen/ }).waitFor();
+  await page.getByRole("button", { name: "Leave out …" }).click();
+  await page.keyboard.type("blurred by hand");
+  await page.keyboard.press("Enter");
+  await shows(page, "004");
+  assert.match(await page.locator(".left-out").innerText(), /blurred by hand/);
+  await shot(page, "left_out");
+}
+
+async function exportAndReload(page, session) {
+  await toScreen(page, "Session");
+  await page.getByLabel("Note on version 004").fill("for the paper");
+  await page.locator("h1").click();
+  await until(page, () => document.querySelector(".saved").textContent === "saved");
+  const kept = saved(session);
+  assert.deepEqual(await downloaded(page, "Model"), readFileSync(join(session, "versions/004.yaml")));
+  await page.reload();
+  await page.locator("pre.script").waitFor();
+  assert.equal(await page.getByLabel("Note on version 004").inputValue(), "for the paper");
+  assert.equal(await page.locator(".tree li").count(), 4);
+  assert.deepEqual(saved(session), kept, "a reload changes nothing");
+  await shot(page, "session");
+}
+
+/** What "copy as script" puts into the clipboard makes the same files. */
+async function repeat(page, session) {
+  await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
+  await page.getByRole("button", { name: "Copy as script" }).click();
+  await page.getByText("The script is in the clipboard.").waitFor();
+  writeFileSync(`${session}.sh`, await page.evaluate(() => navigator.clipboard.readText()));
+  const again = `${session}-again`;
+  run("sh", [`${session}.sh`, again], { SEAM: seam });
+  const models = readdirSync(join(session, "versions")).sort();
+  assert.deepEqual(readdirSync(join(again, "versions")).sort(), models);
+  for (const name of ["left-out.csv", ...models.map((model) => `versions/${model}`)])
+    assert.deepEqual(readFileSync(join(again, name)), readFileSync(join(session, name)), name);
+}
+
+async function openFrom(page, name) {
+  await page.locator(".brand").click();
+  await page.getByLabel("Folder of a measurement set").fill(join(scratch, name));
+  await page.getByRole("button", { name: "Open", exact: true }).click();
+}
+
+/** The same in short: the best candidate of another kind of measurement is the cause, and its error falls. */
+async function inShort(page, name, cause) {
+  await openFrom(page, name);
+  await shows(page, "001");
+  const first = await error(page);
+  assert.ok(await page.locator('[data-plot="residual against covariate"] [data-drawn=true]').count() > 0, `${name}: structure`);
+  await preview(page, cause);
+  await shot(page, name);
+  await add(page);
+  await shows(page, "002");
+  const second = await error(page);
+  assert.ok(first > 1.2 && second < 0.7 * first, `${name}: the error goes from ${first} to ${second}`);
+  await page.reload();
+  await shows(page, "002");
+  assert.equal(await error(page), second);
+}
+
+async function journey(browser, size) {
+  const session = join(scratch, `work-${size.width}`);
+  const server = await serve(session);
+  const { page, errors } = await openPage(browser, size);
+  try {
+    page.setDefaultTimeout(limit_ms);
+    await page.emulateMedia({ colorScheme: "light", reducedMotion: "reduce" });
+    await page.goto(server.address);
+    await findTheCause(page, session);
+    await leaveRowsOut(page);
+    await exportAndReload(page, session);
+    await repeat(page, session);
+    if (size.width > 700)
+      for (const [name, cause] of [["servo", "servo_lag"], ["flats", "vignetting"], ["walk", "odometry_scale"]]) await inShort(page, name, cause);
+    assert.deepEqual(errors, [], "console");
+  } catch (failed) {
+    await shot(page, "failed");
+    throw failed;
+  } finally {
+    await page.close();
+    server.end();
+  }
+}
+
+const browser = await launch();
+try {
+  makeSets(scratch, source, (words) => run(seam, words));
+  for (const size of [{ width: 1280, height: 800 }, { width: 390, height: 844 }]) {
+    const from = performance.now();
+    await journey(browser, size);
+    console.log(`${size.width} px: ${((performance.now() - from) / 1000).toFixed(1)} s`);
+  }
+} finally {
+  await browser.close();
+  rmSync(scratch, { recursive: true, force: true });
+}
+process.exit(0);
