@@ -104,6 +104,19 @@ async function leaveRowsOut(page) {
   await shot(page, "left_out");
 }
 
+/** A picture of each screen. */
+async function screens(page) {
+  for (const name of ["Data", "Formula", "Plan", "Session", "Open", "Work"]) {
+    if (name === "Open") await page.locator(".brand").click();
+    else await toScreen(page, name);
+    assert.equal(await page.evaluate(() => scrollY), 0, `${name} begins at its top`);
+    await page.locator(".toast").waitFor({ state: "detached" });
+    await page.waitForTimeout(600);
+    assert.equal(await page.evaluate(() => location.hash), `#${name.toLowerCase()}`, "events leave the screen as it is");
+    await shot(page, name.toLowerCase());
+  }
+}
+
 async function exportAndReload(page, session) {
   await toScreen(page, "Session");
   await page.getByLabel("Note on version 004").fill("for the paper");
@@ -144,7 +157,7 @@ async function inShort(page, name, cause) {
   await openFrom(page, name);
   await shows(page, "001");
   const first = await error(page);
-  assert.ok(await page.locator('[data-plot="residual against covariate"] [data-drawn=true]').count() > 0, `${name}: structure`);
+  await page.locator('[data-plot="residual against covariate"] [data-drawn=true]').waitFor();
   await preview(page, cause);
   await shot(page, name);
   await add(page);
@@ -166,6 +179,7 @@ async function journey(browser, size) {
     await page.goto(server.address);
     await findTheCause(page, session);
     await leaveRowsOut(page);
+    await screens(page);
     await exportAndReload(page, session);
     await repeat(page, session);
     if (size.width > 700)

@@ -7,6 +7,7 @@ import { Rich } from "../shared/rich";
 import type { Rows } from "./rows";
 
 const shownColumns = 9;
+const cell = (value: number) => (Number.isInteger(value) ? String(value) : number(value, 5));
 
 export function RowList({ rows }: { rows: Rows }) {
   const scroll = useRef<HTMLDivElement>(null);
@@ -30,7 +31,7 @@ export function RowList({ rows }: { rows: Rows }) {
         {list.getVirtualItems().map((item) => (
           <div key={item.key} class="row num" role="row" aria-rowindex={item.index + 1}
             style={{ position: "absolute", top: 0, transform: `translateY(${item.start}px)` }}>
-            {names.map((name) => <span key={name} role="cell"><Rich text={number(rows.column(name)![item.index], 5)} /></span>)}
+            {names.map((name) => <span key={name} role="cell"><Rich text={cell(rows.column(name)![item.index])} /></span>)}
           </div>
         ))}
       </div>

@@ -158,6 +158,7 @@ let shownKey = "";
 export function take(next: Session): void {
   const key = `${next.set?.folder}|${next.current}|${next.leftOut.map((one) => one.count).join()}`;
   const other = key !== shownKey;
+  const opened = next.set?.folder !== session.value?.set?.folder;
   batch(() => {
     session.value = next;
     if (other) {
@@ -165,7 +166,7 @@ export function take(next: Session): void {
       searched.value = next.set ? { candidates: [], ties: [], notTestable: [], progress: { done: 0, of: 0 }, advice: "" } : null;
     }
     if (!next.set) screen.value = "open";
-    else if (screen.value === "open") screen.value = "work";
+    else if (opened && screen.value === "open") screen.value = "work"; // Events come while a person looks for another set.
   });
   if (next.set && next.current && (other || (waiting && version.value?.looked !== "no"))) {
     shownKey = key;
@@ -262,7 +263,10 @@ function shareSelection(): void {
 function keepScreen(): void {
   const wanted = location.hash.slice(1) as Screen;
   if (session.value?.set && screens.some(([name]) => name === wanted)) screen.value = wanted;
-  effect(() => history.replaceState(null, "", `#${screen.value}`));
+  effect(() => {
+    history.replaceState(null, "", `#${screen.value}`);
+    scrollTo(0, 0); // Where the last screen was scrolled to is no place of this one.
+  });
 }
 
 export async function start(): Promise<void> {
