@@ -135,10 +135,12 @@ bool falls_behind(const Grown& grown, double error_before, const Grown& rival) {
 }
 
 bool all_useless(const Grown& base, const Looks& looks) {
-  return base.assessment.error > kUseless &&
-         std::all_of(looks.candidates.begin(), looks.candidates.end(), [](const Candidate& c) {
-           return only_widens(*c.effect) || c.grown.assessment.error > kUseless;
-         });
+  const double given = base.assessment.error;
+  const auto useless = [&](const Candidate& candidate) {
+    const double error = candidate.grown.assessment.error;
+    return only_widens(*candidate.effect) || (error > kUseless && kMuchBetter * error > given);
+  };
+  return given > kUseless && std::all_of(looks.candidates.begin(), looks.candidates.end(), useless);
 }
 
 Grown without(const Grown& grown, const std::string& out) {
