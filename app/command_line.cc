@@ -74,7 +74,8 @@ std::string commands_markdown(const CLI::App& program) {
       "# Commands\n\nMade by `{0} help --markdown`; a test compares this page with the program, "
       "and "
       "another runs the\nexamples. `{0} help COMMAND` and `{0} COMMAND --help` show one part of "
-      "it.\n\n```text\n{1}```\n",
+      "it. Names of files and folders in examples\n(`nominal.yaml`, `sets/points-a`, "
+      "`match.mcap`) stand for yours.\n\n```text\n{1}```\n",
       name, help_of(program, {}));
   add_pages(program, name, text);
   return text;

@@ -127,6 +127,26 @@ class Sets(unittest.TestCase):
             for part in said:
                 self.assertIn(part, text, command)
 
+    def test_a_protocol_is_no_set_yet(self):
+        room = SOURCE / "docs/tutorial/room"
+        for command in ("compare", "diagnose"):
+            code, text = seam(command, "--model", NOMINAL, "--data", room)
+            self.assertEqual((code, "a protocol, in which nothing is measured yet" in text), (1, True), text)
+
+    def test_values_without_noise_are_warned_of(self):
+        def warned(protocol, *arguments):
+            code, text = seam("measure", "--model", NOMINAL, "--protocol", protocol, "--out", self.folder / "exact", "--force", *arguments)
+            self.assertEqual(code, 0, text)
+            return "warning: the values are made without noise" in text
+
+        exact = self.spoilt(change_yaml=lambda text: "".join(line for line in text.splitlines(True) if not line.startswith("noise:")))
+        self.assertEqual([warned(exact), warned(exact, "--noise", "off"), warned(self.folder / "good")], [True, False, False])
+
+    def test_an_effect_that_the_model_has_is_refitted(self):
+        code, text = seam("add", "rolling_shutter", "--model", SOURCE / "docs/tutorial/robot.yaml", "--data", self.folder / "good",
+                          "--out", self.folder / "again.yaml")
+        self.assertEqual((code, "refitted rolling_shutter, which the model has already" in text), (0, True), text)
+
     def test_a_good_set(self):
         code, text = seam("check", self.folder / "good", "--model", NOMINAL)
         self.assertEqual(code, 0, text)

@@ -102,6 +102,17 @@ class Plan(unittest.TestCase):
         self.assertEqual(costs, sorted(costs))
         self.assertTrue(costs, text)
 
+    def test_a_pair_that_nothing_separates(self):
+        plan, text = self.planned("--improve", "frame_latency,exposure")
+        self.assertEqual(plan["improve"]["proposals"], [])
+        self.assertIn("no change that was tried separates frame_latency from exposure", text)
+        self.assertNotIn("cheapest first", text)
+
+    def test_an_effect_of_the_model_without_a_free_parameter(self):
+        plan, text = self.planned("--effects", "pinhole")
+        self.assertEqual((plan["effects"], [n["effect"] for n in plan["not_planned"]]), ([], ["pinhole"]), text)
+        self.assertIn("no free parameter", text)
+
     def test_all_effects(self):
         plan, text = self.planned()
         names = [e["effect"] for e in plan["effects"]]
@@ -109,7 +120,7 @@ class Plan(unittest.TestCase):
         self.assertGreater(plan["looks"], 10)
         self.assertEqual(plan["changes"], [])
         why = {n["effect"]: n["why"] for n in plan["not_planned"]}
-        self.assertIn("no normal equations", " ".join(why.values()), text)
+        self.assertIn("moves no prediction", " ".join(why.values()), text)
         self.assertEqual(self.effect("rolling_shutter", plan)["smallest_found"], self.effect("rolling_shutter")["smallest_found"])
 
     def test_what_is_wrong_is_told(self):

@@ -357,6 +357,15 @@ class Replay(unittest.TestCase):
         seam("replay", "accuracy", self.log, "--json", out, check=0)  # Its clients estimate nothing.
         self.assertEqual(json.loads(out.read_text())["all"]["position_m"]["n"], 0)
 
+    def test_a_signed_log_and_a_kind_without_events(self):
+        keys = [self.folder / "log.key", self.folder / "log.pub"]
+        subprocess.run(["openssl", "genpkey", "-algorithm", "ed25519", "-out", keys[0]], check=True)
+        subprocess.run(["openssl", "pkey", "-in", keys[0], "-pubout", "-out", keys[1]], check=True)
+        log = self.folder / "signed.mcap"
+        seam("run", self.scenario, "--log", log, "--sign", keys[0], check=0)
+        self.assertIn(f"{log}: signed with the key of {keys[1]}\n", seam("replay", "verify", log, "--key", keys[1], check=0).stdout)
+        self.assertIn("no events of these kinds", seam("replay", "show", log, "--kind", "fault", check=0).stdout)
+
     def test_wrong_use_says_so(self):
         seam("replay", "verify", check=2)
         seam("replay", "frames", self.log, "--robot", "nobody", "--out", self.folder / "x", check=2)

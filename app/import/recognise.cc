@@ -70,7 +70,7 @@ void refuse_foreign_file(const fs::path& path) {
   if (!other.empty())
     throw InputError(
         fmt::format("{}: found a file of another program, expected a measurement set "
-                    "or another file of ours. {}",
+                    "or another file of SEAM. {}",
                     path.string(), other));
 }
 

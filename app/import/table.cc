@@ -185,7 +185,7 @@ const std::vector<ImportKind>& import_kinds() {
              return look.ends({".fits", ".fit", ".fts"});
            }},
       {.name = "log",
-       .help = "a replay log of ours: a robot's head joints or walk with its commands, or its "
+       .help = "a replay log of SEAM: a robot's head joints or walk with its commands, or its "
                "frames",
        .options = {"camera", "part"},
        .fill = import_log,

@@ -381,8 +381,7 @@ void add_session_options(Command command, SessionOptions& session, SimulatorOpti
       "foxglove.SceneUpdate)");
   command.add_option("--frames", session.frames,
                      "Writes each frame as ROBOT_NNNNNN.png and frames.csv into this folder");
-  command.add_flag("--force", session.force,
-                   "Replaces a log and frames of an earlier run that stand there");
+  command.add_flag("--force", session.force, "Replaces a log and frames of an earlier run");
   command.add_option("--json", session.json, "Writes the summary here");
   command.add_option("--model", simulator.models,
                      "[ROBOT=]FILE: a seam-model/1 file in place of the scenario's");

@@ -174,13 +174,6 @@ SetDescription describe_set(const MeasurementSet& set, const std::optional<Model
   } catch (const InputError& error) {
     description.errors.emplace_back(error.what());
   }
-  const bool is_protocol = [&] {
-    const auto& measured = kind.observations.measured;
-    const CsvTable table = set.table(kind.observations.file);
-    return !measured.empty() &&
-           std::none_of(measured.begin(), measured.end(),
-                        [&](const std::string& column) { return table.has(column); });
-  }();
   try {
     if (kind.behind_camera) text += behind_text(set, kind, model, description);
   } catch (const InputError& error) {
@@ -188,7 +181,7 @@ SetDescription describe_set(const MeasurementSet& set, const std::optional<Model
     description.errors.emplace_back(error.what());
     return description;
   }
-  if (is_protocol) {
+  if (is_protocol(set, kind.observations)) {
     text += "  a protocol: nothing is measured yet (seam measure)\n";
     return description;
   }

@@ -58,6 +58,11 @@ std::unique_ptr<Problem> open_problem(MeasurementSet set, const Instruments& ins
   if (!set.target.empty() && kind.bit != effects::kPoints)
     throw InputError(fmt::format("{}: a target file belongs to sets of points, found kind {}",
                                  set.target.string(), set.kind));
+  if (is_protocol(set, kind.observations))
+    throw InputError(fmt::format(
+        "{}: a protocol, in which nothing is measured yet: found no column {}, expected measured "
+        "values; seam measure makes them by a model",
+        set.folder.string(), fmt::join(kind.observations.measured, ", ")));
   const Concerns concerns = concerns_of(set, kind.observations);
   if (!concerns.errors.empty())
     throw InputError(fmt::format("{}", fmt::join(concerns.errors, "\n")));

@@ -21,12 +21,12 @@ constexpr double kMostScale = 1e4;
 std::string why_not_planned(const Prospect& prospect) {
   const EffectDefinition& effect = *prospect.effect;
   if (effect.spread_only)
-    return "it acts on the spread of errors, of which there are no normal equations: seam study";
-  if (has_counts(effect)) return "it has whole numbers, which are tried and not fitted: seam study";
-  if (!effect.has_neutral) return "it takes the place of another effect, far from it: seam study";
+    return "it changes the spread of errors and moves no prediction: seam study";
+  if (has_counts(effect))
+    return "its parameter is a whole number, which is tried and not fitted: seam study";
+  if (!effect.has_neutral) return "it replaces another effect: seam study";
   if (!prospect.companions.empty())
-    return "it comes with " + prospect.companions.front()->name +
-           ": plan with a model that has this";
+    return "it needs " + prospect.companions.front()->name + ": plan with a model that has it";
   if (prospect.starts.size() > kMostStartsOfOneValley)
     return "its fit has several local optima: seam study";
   return "";
@@ -72,10 +72,11 @@ Planner::Planner(Problem& problem, const Model& model, const PlanOptions& option
   });
   here_ = problem.evaluate(model, problem.all_groups());
   if (here_.whitened.empty())
-    throw InputError(fmt::format(
-        "{}: sets of kind {} have no normal equations (their likelihood is of sums over images), "
-        "so no plan follows from them: use seam measure and seam diagnose, or seam study",
-        problem.facts().file, problem.facts().kind()));
+    throw InputError(
+        fmt::format("{}: found kind {}, for which seam plan has no method, since its likelihood is "
+                    "of sums over "
+                    "images: use seam measure and seam diagnose, or seam study",
+                    problem.facts().file, problem.facts().kind()));
   if (!here_.valid)
     throw InputError(
         problem.facts().file +
@@ -267,7 +268,12 @@ Plan Planner::plan() const {
   for (const effects::ModelEffect& effect : base_.assessment.model.effects()) {
     if (!wanted(effect.definition->name)) continue;
     PlannedEffect own = of_model(effect.definition->name);
-    if (!own.parameters.empty() || !asked.empty()) plan.effects.push_back(std::move(own));
+    if (!own.parameters.empty()) {
+      plan.effects.push_back(std::move(own));
+    } else if (!asked.empty()) {
+      plan.not_planned.push_back(
+          {own.effect, "", "the model has it, with no free parameter: mark one as free"});
+    }
   }
   std::vector<const Seen*> planned;
   for (const Seen& one : seen_) {

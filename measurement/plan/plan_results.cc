@@ -148,9 +148,9 @@ Table changes_table(const WholePlan& whole) {
 }
 
 Table improved_table(const Improved& improved) {
-  Table table{.title = fmt::format("To tell {} of size {} from {}, cheapest first", improved.effect,
-                                   number(improved.size), improved.other),
-              .columns = {"change", "measured so often", "cost"},
+  Table table{.title = fmt::format("To separate {} of size {} from {}, cheapest first",
+                                   improved.effect, number(improved.size), improved.other),
+              .columns = {"change", "repeats", "cost"},
               .rows = {}};
   for (const Improvement& one : improved.improvements)
     table.rows.push_back(
@@ -168,7 +168,8 @@ Table not_planned_table(const Plan& plan) {
 std::vector<Table> tables_of(const WholePlan& whole) {
   std::vector<Table> tables = {errors_table(whole.plan)};
   if (!whole.changes.empty()) tables.push_back(changes_table(whole));
-  if (whole.improved) tables.push_back(improved_table(*whole.improved));
+  if (whole.improved && !whole.improved->improvements.empty())
+    tables.push_back(improved_table(*whole.improved));
   if (!whole.plan.not_planned.empty()) tables.push_back(not_planned_table(whole.plan));
   return tables;
 }
@@ -196,7 +197,9 @@ std::string plan_text(const WholePlan& whole) {
   std::string text = headline(whole) + "\n";
   for (const Table& table : tables_of(whole)) text += text_of(table);
   if (!whole.improved) return text;
-  if (whole.improved->improvements.empty()) text += "no change that was tried separates them\n";
+  if (whole.improved->improvements.empty())
+    text += fmt::format("no change that was tried separates {} from {}\n", whole.improved->effect,
+                        whole.improved->other);
   if (!whole.improved->advice.empty()) text += "advice: " + whole.improved->advice + "\n";
   return text;
 }

@@ -49,16 +49,17 @@ std::string unnamed_text(const SearchResult& result) {
   std::vector<std::string> functions;
   for (const std::vector<std::string>& covariates : cause.depends_on)
     functions.push_back(fmt::format("{}", fmt::join(covariates, " and ")));
-  std::string text =
-      fmt::format("No known effect explains what depends on {} ({} x noise): {} {:.3g} of {:.3g}.",
-                  fmt::join(functions, ", and on "), two_digits(cause.noise_units),
-                  functions.size() == 1 ? "a smooth function leaves" : "smooth functions leave",
-                  cause.error_after, cause.error_before);
+  std::string text = fmt::format(
+      "No known effect explains what depends on {} ({} x noise): {} the error from {:.3g} to "
+      "{:.3g}.",
+      fmt::join(functions, ", and on "), two_digits(cause.noise_units),
+      functions.size() == 1 ? "a smooth function lowers" : "smooth functions lower",
+      cause.error_before, cause.error_after);
   if (result.mimics.empty()) return text + (result.steps.empty() ? nearest_text(result) : "");
   const bool one = result.mimics.size() == 1;
-  return text + fmt::format(" Nearest: {}, {} {:.3g}; {} may only imitate it.",
+  return text + fmt::format(" Nearest: {}, which {} {:.3g} and may only imitate the cause.",
                             fmt::join(result.mimics, ", "), one ? "leaves" : "leave",
-                            result.mimics_error, one ? "it" : "they");
+                            result.mimics_error);
 }
 
 // What is missing, for sure, and what fits best where its range ends: there the true cause may be

@@ -66,7 +66,7 @@ std::string candidate_text(int rank, const Candidate& candidate) {
     text +=
         fmt::format("    with {:24s} {}\n", companion->name, told_values(after, companion->name));
   for (const std::string& other : candidate.indistinguishable_from)
-    text += fmt::format("      these data cannot tell it from {}\n", other);
+    text += fmt::format("      not separated from {} by these data\n", other);
   if (!candidate.stands_in_for.empty())
     text +=
         fmt::format("      alone it stands in for {}\n", fmt::join(candidate.stands_in_for, ", "));
@@ -184,7 +184,7 @@ std::string diagnose_text(const Problem& problem, const SearchResult& result,
           notes_text(problem, result.best.assessment.model) + outlier_text(result);
   text += fmt::format("verdict: {}\n", result.verdict);
   if (!result.mimics.empty())
-    text += fmt::format("imitate the cause without a name: {}\n", fmt::join(result.mimics, ", "));
+    text += fmt::format("may only imitate the unknown cause: {}\n", fmt::join(result.mimics, ", "));
   text += candidates_text(result.first.candidates);
   const auto& structure = unexplained ? result.remaining : result.base_structure;
   if (!structure.empty()) {
@@ -210,10 +210,10 @@ std::string discover_text(const Problem& problem, const SearchResult& result,
     text += fmt::format("  + {:24s} {:.4f} -> {:.4f}   {}\n", step.effect, step.error_before,
                         step.error_after, told_values(result.best.assessment, step.effect));
     for (const std::string& other : step.indistinguishable_from)
-      text += fmt::format("      these data cannot tell it from {}\n", other);
+      text += fmt::format("      not separated from {} by these data\n", other);
   }
   if (!result.mimics.empty())
-    text += fmt::format("  not added, since a cause without a name explains more: {}\n",
+    text += fmt::format("  not added, since an unknown cause explains more: {}\n",
                         fmt::join(result.mimics, ", "));
   for (const KeptTrace& kept : result.kept) {
     text +=

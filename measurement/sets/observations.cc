@@ -136,6 +136,11 @@ void find_places_outside(const CsvTable& table, const MeasurementSet& set,
 
 }  // namespace
 
+bool is_protocol(const MeasurementSet& set, const ObservationTable& observations) {
+  return !observations.measured.empty() &&
+         present(set.table(observations.file), observations.measured).empty();
+}
+
 Concerns concerns_of(const MeasurementSet& set, const ObservationTable& observations) {
   Concerns concerns;
   if (observations.file.empty() || !set.has_file(observations.file)) return concerns;

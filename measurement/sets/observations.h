@@ -29,6 +29,9 @@ struct Concerns {
   size_t outside_image = 0;
 };
 
+// Whether nothing is measured yet: the table has none of the measured columns.
+bool is_protocol(const MeasurementSet& set, const ObservationTable& observations);
+
 Concerns concerns_of(const MeasurementSet& set, const ObservationTable& observations);
 
 }  // namespace seam::measurement

@@ -35,6 +35,10 @@ TEST(Config, ErrorsNameFileLineAndKey) {
                        root.finish();
                      }),
             "robot.yaml:2: unknown key 'period_ss', did you mean 'period_s'?");
+  // One letter of three agrees: nobody meant that.
+  EXPECT_EQ(suggestion_for("foo", {"ros", "opencv"}), ", known: ros, opencv");
+  EXPECT_EQ(suggestion_for("rso", {"ros", "opencv"}), ", known: ros, opencv");
+  EXPECT_EQ(suggestion_for("roz", {"ros", "opencv"}), ", did you mean 'ros'?");
   EXPECT_NE(error_of("a: [1, 2\n", [](const auto&) {}).find("robot.yaml:"), std::string::npos);
   EXPECT_EQ(error_of("a: 1\n", [](const auto& root) { root.at("b"); }),
             "robot.yaml:1: key 'b' is missing");

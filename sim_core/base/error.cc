@@ -34,7 +34,9 @@ std::string suggestion_for(std::string_view unknown, const std::vector<std::stri
       std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
         return edit_distance(unknown, a) < edit_distance(unknown, b);
       });
-  if (edit_distance(unknown, *nearest) <= std::max<size_t>(2, unknown.size() / 2)) {
+  const size_t distance = edit_distance(unknown, *nearest);
+  // Of a short word most letters must agree, or each other short word would be near.
+  if (distance <= std::max<size_t>(2, unknown.size() / 2) && 2 * distance <= nearest->size()) {
     return fmt::format(", did you mean '{}'?", *nearest);
   }
   return fmt::format(", known: {}", fmt::join(known, ", "));

@@ -9,8 +9,12 @@
 namespace seam::tools {
 namespace {
 
-std::string text_of(const measurement::AddResult& result) {
-  std::string text = result.effect.empty() ? "refitted\n" : "added " + result.effect + "\n";
+// `before`: the model to which the effect was added.
+std::string text_of(const measurement::AddResult& result, const effects::Model& before) {
+  std::string text = result.effect.empty() ? "refitted\n"
+                     : before.has(result.effect)
+                         ? "refitted " + result.effect + ", which the model has already\n"
+                         : "added " + result.effect + "\n";
   for (const std::string& name : result.replaced) text += fmt::format("  instead of {}\n", name);
   for (const auto& [name, value] : result.parameters)
     text += fmt::format("  {} = {}\n", name, measurement::told_value(result.model, name, value));
@@ -22,10 +26,10 @@ std::string text_of(const measurement::AddResult& result) {
 }
 
 void print_added(AnalysisOutputs& outputs, const AnalysisFlags& flags,
-                 const measurement::Problem& problem, const measurement::AddResult& result,
-                 const std::string& format) {
+                 const measurement::Problem& problem, const effects::Model& before,
+                 const measurement::AddResult& result, const std::string& format) {
   const auto doubts = doubts_about(flags, result.model, result.error_after);
-  outputs.print(measurement::doubts_text(doubts) + text_of(result) +
+  outputs.print(measurement::doubts_text(doubts) + text_of(result, before) +
                     measurement::target_text(problem, result.model) +
                     measurement::figures_text(problem, result.assessment),
                 [&] { return measurement::add_json(problem, result, format, doubts); });
@@ -55,7 +59,7 @@ void add_add(app::Command app) {
     const auto result = measurement::add_effects(*problem, model, effects);
     outputs.out.fill(result.model.to_yaml());
     if (outputs.target) outputs.target.fill(measurement::target_table(*problem, result.model));
-    print_added(outputs, *flags, *problem, result, "seam-add/1");
+    print_added(outputs, *flags, *problem, model, result, "seam-add/1");
   });
 }
 
@@ -74,7 +78,7 @@ void add_fit(app::Command app) {
     const auto result = measurement::refit_all(*problem, model);
     outputs.out.fill(result.model.to_yaml());
     if (outputs.target) outputs.target.fill(measurement::target_table(*problem, result.model));
-    print_added(outputs, *flags, *problem, result, "seam-fit/1");
+    print_added(outputs, *flags, *problem, model, result, "seam-fit/1");
   });
 }
 

@@ -275,7 +275,7 @@ void check(const CheckSettings& settings) {
 void add_check(app::Command app) {
   app::Command command = app.add_subcommand(
       "check",
-      "Validates any file of ours and says what it holds: a scenario, model, measurement set, "
+      "Validates a file of SEAM and prints what it holds: a scenario, model, measurement set, "
       "scene, field, robot, colour table, plan of a sweep or log");
   auto settings = std::make_shared<CheckSettings>();
   command.add_option("PATH", settings->path, "The file, or the folder of a measurement set")

@@ -188,8 +188,9 @@ void add_import(app::Command app) {
   command.add_option("KIND", flags->kind, "What the files are").required();
   command.add_option("SOURCE", flags->sources, "The files or folders").required();
   command.add_option("--out", flags->out, "The folder to write, a new or an empty one").required();
-  command.add_option("--map", flags->map,
-                     "What our quantities are called in the files: OURS=THEIRS,OURS=THEIRS");
+  command.add_option(
+      "--map", flags->map,
+      "The files' names of SEAM's quantities: OURS=THEIRS,OURS=THEIRS, like command=goal");
   command.add_option(
       "--unit", flags->unit,
       "Of angles: rad, mrad, deg, turns or ticks:N a turn; OURS=UNIT,... for single ones");

@@ -1,4 +1,6 @@
 // `seam measure`: makes the measurement set that a model would give.
+#include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <system_error>
 
@@ -46,6 +48,19 @@ class FolderOfSet {
   app::ScratchFolder made_;
 };
 
+// A plan with exact values shows any effect: a protocol that states no noise is easily overlooked.
+void warn_of_no_noise(const effects::Model& truth, const measurement::MeasurementSet& protocol) {
+  const auto& effects = truth.effects();
+  const bool spreads = std::any_of(effects.begin(), effects.end(),
+                                   [](const auto& e) { return e.definition->spread_only; });
+  // Numbers of whole runs scatter by the runs themselves.
+  if (spreads || !protocol.noise.empty() || protocol.kind == "outcomes") return;
+  std::fprintf(
+      stderr,
+      "warning: the values are made without noise, since neither the protocol (noise:) nor "
+      "the model (an effect of spread) states any\n");
+}
+
 }  // namespace
 
 void add_measure(app::Command app) {
@@ -78,6 +93,7 @@ void add_measure(app::Command app) {
         truth, protocol, {.seed = flags->seed, .noise = flags->noise == "on", .out = folder.made()},
         app::instruments(flags->runs));
     folder.finish();
+    if (flags->noise == "on") warn_of_no_noise(truth, protocol);
     std::printf("%s\n", flags->out.c_str());
   });
 }

@@ -137,7 +137,9 @@ measurement::WholePlan planned(const PlanFlags& flags, const effects::Model& mod
 
 void add_plan(app::Command app) {
   app::Command command = app.add_subcommand(
-      "plan", "What a measurement not made yet would say: errors, smallest effects, ties");
+      "plan",
+      "Computes what a measurement would show before it is made: standard errors, smallest effects "
+      "found, ties");
   auto flags = std::make_shared<PlanFlags>();
   command.add_option("--model", flags->files.model, "The model (seam-model/1)").required();
   command

@@ -206,7 +206,7 @@ void add_replay_feed(app::Command replay) {
       "decides otherwise; what it decides has no effect");
   auto settings = std::make_shared<FeedSettings>();
   command.add_option("F", settings->file, "The log").required();
-  command.add_option("--robot", settings->stand_in.robot, "In whose place the program is")
+  command.add_option("--robot", settings->stand_in.robot, "The robot whose place the program takes")
       .required();
   add_stand_in_options(command, settings->stand_in);
   command.add_option("--expect", settings->expect,
@@ -216,7 +216,7 @@ void add_replay_feed(app::Command replay) {
   command.add_option("--log", settings->log,
                      "Writes a copy of the log to which the values, texts and drawings that the\n"
                      "program logs are added, where its decision is the log's");
-  command.add_flag("--force", settings->force, "Replaces a log that stands there");
+  command.add_flag("--force", settings->force, "Replaces a log that exists");
   command.add_option("--json", settings->json, "Write what differs as seam-feed/1 to this file");
   command.footer(
       "Exit code 0: all decisions are equal; 1: some differ. Frames come from the log where it "

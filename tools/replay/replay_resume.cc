@@ -83,7 +83,7 @@ void add_replay_resume(app::Command replay) {
   command.add_option("--json", settings->session.json, "Writes the summary here");
   command.add_option("--frames", settings->session.frames, "Writes frames into this folder");
   command.add_flag("--force", settings->session.force,
-                   "Replaces a log and frames of an earlier run that stand there");
+                   "Replaces a log and frames of an earlier run");
   command.footer(
       "Exit code 0: resumed; 1: the run left the log, or was aborted.\n"
       "Example: seam replay resume killed.mcap --log whole.mcap --run-programs");

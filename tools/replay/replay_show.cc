@@ -179,6 +179,7 @@ std::vector<Happening> happenings(const scheduler::Log& log, const ShowSettings&
 void print_events(const scheduler::Log& log, const ShowSettings& settings) {
   constexpr size_t kMost = 40;
   const std::vector<Happening> found = happenings(log, settings);
+  if (found.empty() && !settings.kinds.empty()) std::printf("no events of these kinds\n");
   const bool cut = !settings.all && found.size() > kMost;
   for (size_t i = 0; i < found.size(); ++i) {
     if (cut && i == kMost / 2) {

@@ -112,6 +112,8 @@ void verify_log(const VerifySettings& settings) {
     std::printf("%s: %s; write it anew: seam replay recover %s --out FILE\n", settings.file.c_str(),
                 mcap::index_sentence(*outcome.index).c_str(), settings.file.c_str());
   }
+  if (!settings.key.empty() && !outcome.unreadable)
+    std::printf("%s: signed with the key of %s\n", settings.file.c_str(), settings.key.c_str());
   if (!outcome.found.divergence) return tell_same(settings.file, outcome.found);
   const Divergence& first = *outcome.found.divergence;
   if (outcome.unreadable) {
@@ -141,7 +143,7 @@ void add_replay_verify(app::Command replay) {
   command.add_flag("--frames,!--no-frames", settings->frames,
                    "Make and compare the frames too (the default)");
   command.footer(
-      "What was not compared is said. Exit code 0: the same; 1: a divergence, or the log cannot\n"
+      "Lists what was not compared. Exit code 0: the same; 1: a divergence, or the log cannot\n"
       "be read.\n"
       "Example: seam replay verify swing.mcap --json result.json");
   command.callback([settings] { verify_log(*settings); });

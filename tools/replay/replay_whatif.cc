@@ -140,7 +140,7 @@ void add_replay_whatif(app::Command replay) {
   command.add_flag("--run-programs", settings->run_programs,
                    "With --others live: start the programs that the log names, without asking");
   command.add_option("--log", settings->session.log, "Keep the changed run's log here");
-  command.add_flag("--force", settings->session.force, "Replaces a log that stands there");
+  command.add_flag("--force", settings->session.force, "Replaces a log that exists");
   command.add_option("--json", settings->json, "Write what differs as seam-diff/1");
   command.footer(
       "Example: seam replay whatif swing.mcap --robot red1 --client 'ball_watcher' --from 1");

@@ -48,7 +48,7 @@ void add_sweep_bundle(app::Command sweep) {
       "Run it in the folder in which the runs were made. The archive has plan, scenario, models,\n"
       "meshes and textures, the behaviours' programs with the files that their commands name and\n"
       "the Python modules beside them, SHA-256 of each, and each run's values and fingerprint.\n"
-      "What a behaviour needs beside it is said (docs/reference/bundle.md).\n"
+      "Prints what a behaviour needs beside the bundle (docs/reference/bundle.md).\n"
       "Example: seam sweep bundle results.sqlite --out study.seam");
   command.callback([options] { bundle(*options); });
 }

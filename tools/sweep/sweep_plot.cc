@@ -203,7 +203,8 @@ void add_sweep_plot(app::Command sweep) {
       "plot", "A statistic with its 95 % interval against one or two parameters");
   auto options = std::make_shared<SweepPlotOptions>();
   command.add_option("RESULTS", options->file, "A file that `seam sweep` made").required();
-  command.add_option("--value", options->value, "The column whose statistic it is").required();
+  command.add_option("--value", options->value, "The column of which the statistic is computed")
+      .required();
   command.add_option("--over", options->over, "The parameter along the page").required();
   command.add_option("--by", options->by, "A second parameter: a line for each of its values");
   command

@@ -133,11 +133,7 @@ void SetDraft::check() {
   if (!found.errors.empty()) throw InputError(found.errors.front());
   for (const std::string& fault : measurement::faults_of_values(set)) warn(by_its_name(fault));
   const measurement::Kind& kind_of_set = measurement::find_kind(kind);
-  const auto& measured = kind_of_set.observations.measured;
-  const auto table = set.table(kind_of_set.observations.file);
-  is_protocol_ = !measured.empty() &&
-                 std::none_of(measured.begin(), measured.end(),
-                              [&](const std::string& column) { return table.has(column); });
+  is_protocol_ = measurement::is_protocol(set, kind_of_set.observations);
   if (!is_protocol_) kind_of_set.open(set, instruments)->check_model(model);
 }
 
