@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Learns to turn the head until the ball is in the middle of the picture: Q-learning with numpy alone, in two minutes.
+"""Learns to turn the head until the ball is in the middle of the picture: Q-learning with numpy alone.
 
 Usage: learn.py [--episodes 40] [--seed 1] [--out curve.csv]
 """
