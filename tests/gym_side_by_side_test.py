@@ -34,6 +34,21 @@ class SideBySide(Gym):
         self.assertFalse(truncated.any() or rewards.any())
         self.assertEqual(worlds.step(worlds.action_space.sample())[4]["seen"][2].time_ns, 32_000_000)
 
+    def test_what_a_vector_refuses(self):
+        worlds = self.env(kind=seam_gym.VectorEnv, num_envs=2)
+        with self.assertRaisesRegex(ValueError, "seed: expected one, or one for each of 2 worlds, found 1"):
+            worlds.reset(seed=[3])
+        worlds.reset(seed=[3, None])
+        for count in (1, 3):
+            with self.assertRaisesRegex(ValueError, f"actions: expected 2, one for each world, found {count}"):
+                worlds.step(np.stack([wave(0)] * count))
+        # No world is left in the middle of a step by the action of another.
+        with self.assertRaisesRegex(ValueError, "action: expected numbers of shape"):
+            worlds.step([wave(0), wave(0)[:1]])
+        self.assertEqual([one.time_ns for one in worlds.step(np.stack([wave(0)] * 2))[4]["seen"]], [32_000_000] * 2)
+        worlds.close()
+        worlds.close()
+
     def test_several_robots_learn_in_one_world(self):
         env = self.env("three.yaml", kind=seam_gym.ParallelEnv, terminated=lambda seen, truth: seen.time_s > 0.2 and abs(seen.sensors.odometry.x_m) < 1e-3)
         runs = []

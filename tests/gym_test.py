@@ -80,6 +80,27 @@ class OneRobot(Gym):
         with self.assertRaisesRegex(ValueError, "observe: no sense 'smell', expected a Sense or one of: joints"):
             self.env(observe=["smell"])
 
+    def test_wrong_actions_are_refused_and_the_episode_goes_on(self):
+        env = self.env()
+        with self.assertRaisesRegex(seam_sdk.SeamError, "no episode: reset begins one"):
+            env.step(wave(0))
+        env.reset(seed=1)
+        for wrong in (0.5, [0.5], [0.5, 0, 0], [[0.5, 0]], [np.nan, 0], [np.inf, 0], None):
+            with self.assertRaisesRegex(ValueError, r"action: expected numbers of shape \(2,\) for pan, vx_m_s, found "):
+                env.step(wrong)
+        self.assertEqual(env.step([0.5, 0])[4]["seen"].time_ns, 32_000_000)
+        env.close()
+        env.close()
+        with self.assertRaisesRegex(seam_sdk.SeamError, "no episode: reset begins one"):
+            env.step(wave(0))
+        self.assertEqual(env.reset(seed=1)[1]["seen"].time_ns, 0)
+        env = self.env(act=[{}, {"pan": 0.25}])
+        env.reset(seed=1)
+        for wrong in (-1, 2, 0.5, "x", np.array([1])):
+            with self.assertRaisesRegex(ValueError, "action: expected a whole number from 0 to 1, found "):
+                env.step(wrong)
+        env.step(1)
+
     def test_frames_are_arrays_with_the_times_of_their_rows(self):
         bright = seam_gym.Sense("bright", Box(0, 255, (1,)), lambda seen, frame: np.array([0 if frame is None else frame.rgb_array().mean()], np.float32))
         env = self.env(observe=["frame", "row_s", bright], render_mode="rgb_array")

@@ -37,12 +37,16 @@ class Env(EnvBase):
         return turn.observation, turn.info
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        self.begin(action)
+        self.begin(self.decided(action))
         return self.finish()
 
-    def begin(self, action: Any) -> None:
+    def decided(self, action: Any) -> Any:
+        """What the action orders: worlds are begun when the actions of all of them are known to be good."""
+        return self.episode.decided({self.robot: action})
+
+    def begin(self, decided: Any) -> None:
         """The first half of `step`: worlds that were all begun go on side by side."""
-        self.episode.begin({self.robot: action})
+        self.episode.begin(decided)
 
     def finish(self) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """The second half of `step`."""

@@ -56,9 +56,14 @@ class Episode:
         self._frames, self._last, self._first, self.over = {}, {}, True, False
         return self._turns()
 
-    def begin(self, actions: Mapping[str, Any]) -> None:
-        """The first half of a step, after which other worlds can be begun. Agents without an action go on as they do."""
-        decisions = {name: self.sides[name].decision(action, self._last[name].info["seen"]) for name, action in actions.items()}
+    def decided(self, actions: Mapping[str, Any]) -> dict[str, seam_sdk.Decision]:
+        """What actions order; an error where one of them is not of its space."""
+        if self._world is None:
+            raise seam_sdk.SeamError("no episode: reset begins one")
+        return {name: self.sides[name].decision(action, self._last[name].info["seen"]) for name, action in actions.items()}
+
+    def begin(self, decisions: dict[str, seam_sdk.Decision]) -> None:
+        """The first half of a step, after which other worlds can be begun. Agents without a decision go on as they do."""
         if self._first and self._task.wants_frames:
             for name in self.sides:
                 decisions.setdefault(name, seam_sdk.Decision()).request_all_frames()

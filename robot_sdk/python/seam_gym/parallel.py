@@ -44,7 +44,7 @@ class ParallelEnv(ParallelBase):
 
     def step(self, actions: Mapping[str, Any]) -> tuple[dict[str, Any], ...]:
         """Observations, rewards, terminations, truncations and infos of the agents whose episode went on."""
-        self.episode.begin({name: action for name, action in actions.items() if name in self.agents})
+        self.episode.begin(self.episode.decided({name: action for name, action in actions.items() if name in self.agents}))
         turns = self.episode.finish()
         found = {name: turns[name] for name in self.agents}
         over = self.episode.over

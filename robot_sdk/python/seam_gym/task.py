@@ -139,11 +139,25 @@ def _act(given: Any, robot: seam_sdk.Robot) -> Act:
         _check_names(names, robot)
         middle, half = (low + high) / 2, (high - low) / 2
         space = Box(-1, 1, (len(names),), np.float32)
-        return Act(space, lambda action, _: _decision(dict(zip(names, (middle + half * np.clip(action, -1, 1)).tolist()))))
+
+        def scaled(action: Any, _: seam_sdk.Observation) -> seam_sdk.Decision:
+            # numpy would stretch one number to all of the orders.
+            if np.shape(action) != space.shape or not np.all(np.isfinite(action)):
+                raise ValueError(f"action: expected numbers of shape {space.shape} for {', '.join(names)}, found {action!r}")
+            return _decision(dict(zip(names, (middle + half * np.clip(action, -1, 1)).tolist())))
+
+        return Act(space, scaled)
     choices = [dict(choice) for choice in given]
     for choice in choices:
         _check_names([name for name in choice if name != "kick"], robot)
-    return Act(Discrete(len(choices)), lambda action, _: _decision(choices[int(action)]))
+    numbers = Discrete(len(choices))
+
+    def chosen(action: Any, _: seam_sdk.Observation) -> seam_sdk.Decision:
+        if not numbers.contains(action):
+            raise ValueError(f"action: expected a whole number from 0 to {len(choices) - 1}, found {action!r}")
+        return _decision(choices[int(action)])
+
+    return Act(numbers, chosen)
 
 
 def _check_names(names: Sequence[str], robot: seam_sdk.Robot) -> None:

@@ -45,15 +45,20 @@ class VectorEnv(VectorBase):
         """Begins an episode in each world. One seed stands for seed, seed + 1, ...; options as of Env."""
         super().reset(seed=seed if isinstance(seed, int) else None)
         seeds = [None] * self.num_envs if seed is None else [seed + i for i in range(self.num_envs)] if isinstance(seed, int) else seed
+        if len(seeds) != self.num_envs:
+            raise ValueError(f"seed: expected one, or one for each of {self.num_envs} worlds, found {len(seeds)}")
         self._ended[:] = False
         turns = list(self._starts.map(lambda env, own: env.reset(seed=own, options=options), self.envs, seeds))
         return stacked(self.single_observation_space, [seen for seen, _ in turns]), _gathered([info for _, info in turns])
 
     def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        count = len(next(iter(actions.values())) if isinstance(actions, dict) else actions)
+        if count != self.num_envs:
+            raise ValueError(f"actions: expected {self.num_envs}, one for each world, found {count}")
+        decided = {i: env.decided(_part(actions, i)) for i, env in enumerate(self.envs) if not self._ended[i]}
         anew = {i: self._starts.submit(self.envs[i].reset) for i in np.flatnonzero(self._ended)}
-        for i, env in enumerate(self.envs):
-            if i not in anew:
-                env.begin(_part(actions, i))
+        for i, decision in decided.items():
+            self.envs[i].begin(decision)
         turns = []
         for i, env in enumerate(self.envs):
             if i in anew:
