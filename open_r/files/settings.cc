@@ -9,10 +9,12 @@
 namespace seam::open_r {
 namespace {
 
-// "/MS/OPEN-R/MW/OBJS/MOVEHEAD.BIN": what is built goes there, so that nothing else will do.
+// "/MS/OPEN-R/MW/OBJS/MOVEHEAD.BIN": what is built goes there, so that nothing else will do. A
+// stick knows no small letters, so that both are written.
 bool is_object_path(std::string_view path) {
   const std::string_view name = path.substr(path.rfind('/') + 1);
-  return path.starts_with("/MS/") && name.size() > 4 && name.ends_with(".BIN") &&
+  return path.starts_with("/MS/") && name.size() > 4 &&
+         (name.ends_with(".BIN") || name.ends_with(".bin")) &&
          std::all_of(name.begin(), name.end(), [](unsigned char c) {
            return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
          });

@@ -22,6 +22,11 @@ TEST(StickSettings, SectionsCountForTheirRobot) {
       (std::vector<std::string>{"/MS/OPEN-R/MW/OBJS/ONE.BIN", "/MS/OPEN-R/MW/OBJS/SEVEN.BIN"}));
 }
 
+TEST(StickSettings, NamesInSmallLettersAreObjectsToo) {
+  EXPECT_EQ(read_object_settings("/MS/OPEN-R/MW/OBJS/vision.bin\n", "ERS-7"),
+            std::vector<std::string>{"/MS/OPEN-R/MW/OBJS/vision.bin"});
+}
+
 TEST(StickSettings, ConnectionsAndFiles) {
   const auto connections = read_connections("\n#\nA.M.D.S  B.N.D.O\n", "ERS-210");
   ASSERT_EQ(connections.size(), 1u);

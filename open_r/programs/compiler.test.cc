@@ -4,10 +4,29 @@
 
 #include <algorithm>
 
+#include "open_r/programs/makefile.h"
+
 namespace seam::open_r {
 namespace {
 
 using Names = std::vector<std::string>;
+
+// The ways in which Makefiles name the objects of sources.
+TEST(Makefiles, ObjectsAreNamedBySources) {
+  const Makefile makefile = Makefile::read(
+      "SRCS = A.cc B.cc \\\n  notes.txt\nEXTRA = ../share/C.o\n"
+      "OBJS = $(patsubst %.cc,%.o,$(filter %.cc,$(SRCS))) $(EXTRA)\n"
+      "ENDINGS = $(SRCS:.cc=.o) ${SRCS:%.cc=obj/%.o}\n"
+      "SELF = $(SELF) x\nOPEN = $(SRCS\nSHELL = $(shell rm -rf /)\n"
+      "all.bin: $(OBJS) Stub.o\n",
+      {});
+  EXPECT_EQ(words_of(makefile.value("OBJS")), (Names{"A.o", "B.o", "../share/C.o"}));
+  EXPECT_EQ(words_of(makefile.value("ENDINGS")),
+            (Names{"A.o", "B.o", "notes.txt", "obj/A.o", "obj/B.o", "notes.txt"}));
+  EXPECT_EQ(makefile.rules().at(0).prerequisites, (Names{"A.o", "B.o", "../share/C.o", "Stub.o"}));
+  EXPECT_EQ(makefile.value("OPEN") + makefile.value("SHELL"), "");
+  EXPECT_FALSE(makefile.value("SELF").empty());
+}
 
 // What g++ and the assembler say, and what a user reads of it.
 TEST(Lacks, AreNamed) {

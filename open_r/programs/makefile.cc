@@ -1,5 +1,6 @@
 #include "open_r/programs/makefile.h"
 
+#include <optional>
 #include <sstream>
 
 namespace seam::open_r {
@@ -12,6 +13,82 @@ std::string trimmed(std::string_view text) {
   const size_t begin = text.find_first_not_of(" \t\r");
   if (begin == std::string_view::npos) return "";
   return std::string(text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1));
+}
+
+// "%.cc": a word that fits, and what % stands for.
+std::optional<std::string> stem_in(std::string_view pattern, std::string_view word) {
+  const size_t any = pattern.find('%');
+  if (any == std::string_view::npos)
+    return pattern == word ? std::optional<std::string>("") : std::nullopt;
+  const std::string_view before = pattern.substr(0, any), after = pattern.substr(any + 1);
+  if (word.size() < before.size() + after.size() || !word.starts_with(before) ||
+      !word.ends_with(after))
+    return std::nullopt;
+  return std::string(word.substr(before.size(), word.size() - before.size() - after.size()));
+}
+
+// Each word that fits `from` becomes `to`; the others stay.
+std::string replaced(std::string_view from, std::string to, std::string_view text) {
+  std::string result;
+  for (const std::string& word : words_of(text)) {
+    const std::optional<std::string> stem = stem_in(from, word);
+    std::string made = stem ? to : word;
+    if (const size_t any = made.find('%'); stem && any != std::string::npos)
+      made.replace(any, 1, *stem);
+    result += (result.empty() ? "" : " ") + made;
+  }
+  return result;
+}
+
+std::string expanded(const std::map<std::string, std::string>& variables, std::string_view text,
+                     int depth);
+
+// What `$(...)` stands for: a variable, one whose words end otherwise, `$(SRCS:.cc=.o)`, or one of
+// the functions by which Makefiles name the objects of sources. Another function stands for
+// nothing.
+std::string value_of(const std::map<std::string, std::string>& variables, std::string_view inner,
+                     int depth) {
+  const auto whole = [&](std::string_view part) {
+    return expanded(variables, trimmed(part), depth + 1);
+  };
+  const size_t blank = inner.find(' ');
+  const std::string_view function = inner.substr(0, blank);
+  if (blank != std::string_view::npos) {
+    const std::string_view rest = inner.substr(blank + 1);
+    const size_t first = rest.find(','), second = rest.find(',', first + 1);
+    if (first == std::string_view::npos) return "";
+    const std::string from = whole(rest.substr(0, first));
+    if (function == "filter") {
+      std::string kept;
+      for (const std::string& word : words_of(whole(rest.substr(first + 1))))
+        if (stem_in(from, word)) kept += word + " ";
+      return kept;
+    }
+    if (function != "patsubst" || second == std::string_view::npos) return "";
+    return replaced(from, whole(rest.substr(first + 1, second - first - 1)),
+                    whole(rest.substr(second + 1)));
+  }
+  const size_t colon = inner.find(':'), equals = inner.find('=', colon);
+  const auto found = variables.find(std::string(inner.substr(0, colon)));
+  if (found == variables.end()) return "";
+  const std::string value = expanded(variables, found->second, depth + 1);
+  if (colon == std::string_view::npos || equals == std::string_view::npos) return value;
+  std::string from(inner.substr(colon + 1, equals - colon - 1)), to(inner.substr(equals + 1));
+  if (from.find('%') == std::string::npos) {
+    from = "%" + from;
+    to = "%" + to;
+  }
+  return replaced(from, to, value);
+}
+
+// Where the bracket that opens at `at` is closed.
+size_t closing(std::string_view text, size_t at) {
+  const char open = text[at], close = open == '(' ? ')' : '}';
+  for (int depth = 0; at < text.size(); ++at) {
+    if (text[at] == open) ++depth;
+    if (text[at] == close && --depth == 0) return at;
+  }
+  return std::string_view::npos;
 }
 
 std::string expanded(const std::map<std::string, std::string>& variables, std::string_view text,
@@ -27,13 +104,10 @@ std::string expanded(const std::map<std::string, std::string>& variables, std::s
       result += "$" + std::string(1, open);  // $@, $<, $^: the caller's.
       continue;
     }
-    const size_t close = text.find(open == '(' ? ')' : '}', i);
+    const size_t close = closing(text, i);
     if (close == std::string_view::npos) return result;
-    const std::string name(text.substr(i + 1, close - i - 1));
+    if (depth < kDeepest) result += value_of(variables, text.substr(i + 1, close - i - 1), depth);
     i = close;
-    const auto found = variables.find(name);
-    if (found != variables.end() && depth < kDeepest)
-      result += expanded(variables, found->second, depth + 1);
   }
   return result;
 }

@@ -143,9 +143,15 @@ class ObjectReader {
     for (const char* ending : kSourceEndings) {
       const fs::path source = fs::path(path).replace_extension(ending);
       if (!fs::is_regular_file(source)) continue;
-      object_.sources.push_back({fs::weakly_canonical(source), flags});
-      return;
+      return take_source({fs::weakly_canonical(source), flags});
     }
+  }
+
+  // A Makefile may name it twice; what is linked twice has two of each function.
+  void take_source(SourceFile source) {
+    if (std::none_of(object_.sources.begin(), object_.sources.end(),
+                     [&](const SourceFile& known) { return known.file == source.file; }))
+      object_.sources.push_back(std::move(source));
   }
 
   void take_library(const fs::path& library, const std::vector<std::string>& flags) {
@@ -162,7 +168,7 @@ class ObjectReader {
               inner.take_part(part, flags_of(makefile, folder));
       for (SourceFile& source : inner.object_.sources) {
         source.flags.insert(source.flags.end(), flags.begin(), flags.end());
-        object_.sources.push_back(std::move(source));
+        take_source(std::move(source));
       }
       if (!inner.object_.sources.empty()) return;
     }

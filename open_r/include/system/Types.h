@@ -3,6 +3,7 @@
 #define SEAM_OPEN_R_TYPES_H
 
 // Programs of that time count on these without including them.
+#include <limits.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -22,6 +23,8 @@ typedef int int32;
 typedef unsigned int uint32;
 typedef short int16;
 typedef unsigned short uint16;
+typedef signed char int8;
+typedef unsigned char uint8;
 
 typedef longword MemoryRegionID;
 typedef unsigned int offset_t;
