@@ -1,4 +1,5 @@
 // Frames of 8 ms: when commands are put out, READY comes, and sensors and images are sent.
+#include <OPENR/OCalendarTime.h>
 #include <OPENR/OFbkImage.h>
 #include <OPENR/OObserver.h>
 #include <gtest/gtest.h>
@@ -122,6 +123,73 @@ TEST_F(Timing, ReadyComesWhenACommandIsPutOut) {
   EXPECT_EQ(first->NumberOfReference(), 1);
   for (int k = 0; k < 4; ++k) turn();
   EXPECT_EQ(ready_at, (std::vector<int64_t>{0, 16, 20}));
+}
+
+// Two objects divide a key: neither command begins before the other one is there, then both do.
+TEST_F(Timing, CommandsThatShareAKeyBeginTogether) {
+  OSubject others;
+  const OID second = system.add("Second", [&](Selector s, void* message) {
+    if (s == kControl) others.ControlHandler(*static_cast<OControlMessage*>(message));
+    if (s == kReady) others.ReadyHandler(*static_cast<OReadyMessage*>(message));
+  });
+  others.SetReadyEntry({second, kReady});
+  system.register_service({second, kControl}, "Second.Move.OCommandVectorData.S");
+  ASSERT_TRUE(system.connect("Second.Move.OCommandVectorData.S",
+                             "OVirtualRobotComm.Effector.OCommandVectorData.O"));
+  start("OSensorFrameVectorData");
+  const auto send = [](OSubject& subject, RCRegion* region, OVRSyncKey key) {
+    reinterpret_cast<OCommandVectorData*>(region->Base())->vectorInfo.syncKey = key;
+    subject.SetData(region);
+    subject.NotifyObservers();
+  };
+  OVRSyncKey key = ovrsynckeyUNDEF, one = key, other = key;
+  ASSERT_EQ(OPENR::NewSyncKey(&key), oSUCCESS);
+  ASSERT_EQ(OPENR::DivideSyncKey(key, &one, &other), oSUCCESS);
+  EXPECT_NE(OPENR::DivideSyncKey(key, &one, &other), oSUCCESS);  // It was divided.
+  send(commands, command(4), one);
+  for (int k = 0; k < 3; ++k) EXPECT_TRUE(turn().joints.targets.empty()) << k;
+  send(others, command(4), other);
+  EXPECT_NEAR(turn().joints.targets.at(0).angle_rad, 0.01, 1e-12);
+  for (int k = 1; k < 4; ++k) turn();
+  EXPECT_TRUE(turn().joints.targets.empty());
+  EXPECT_EQ(ready_at.size(), 2u);
+
+  // A part that was taken back holds nothing up.
+  ASSERT_EQ(OPENR::NewSyncKey(&key), oSUCCESS);
+  ASSERT_EQ(OPENR::DivideSyncKey(key, &one, &other), oSUCCESS);
+  send(commands, command(4), one);
+  EXPECT_TRUE(turn().joints.targets.empty());
+  EXPECT_EQ(OPENR::CancelSyncKey(other), oSUCCESS);
+  EXPECT_NEAR(turn().joints.targets.at(0).angle_rad, 0.01, 1e-12);
+  EXPECT_NE(OPENR::CancelSyncKey(other), oSUCCESS);
+}
+
+TEST_F(Timing, TheClockAndTheVolumeAreTheRobots) {
+  start("OSensorFrameVectorData");
+  OTime time;
+  turn();
+  ASSERT_EQ(OPENR::GetTime(&time), oSUCCESS);
+  EXPECT_EQ(time.GetClock(), 0);
+  // 2000-02-29, a Tuesday; local time is nine hours ahead.
+  ASSERT_EQ(OPENR::SetTime(OTime(59 * 86400, 9)), oSUCCESS);
+  for (int k = 0; k < 125; ++k) turn();
+  OPENR::GetTime(&time);
+  EXPECT_EQ(time.GetClock(), 59 * 86400 + 1);
+  sbyte hours = 0;
+  OPENR::GetTimeDifference(&hours);
+  EXPECT_EQ(hours, 9);
+  const OCalendarTime date(time);
+  char text[20];
+  date.Sprint(text);
+  EXPECT_STREQ(text, "2000/02/29 09:00:01");
+  EXPECT_EQ(date.dow_, 2);
+  OTime back;
+  ASSERT_EQ(date.GetTime(&back), oSUCCESS);
+  EXPECT_TRUE(back == time);
+  OVolumeSwitch volume = ovolumeSW0;
+  ASSERT_EQ(OPENR::SetVolumeSwitch(ovolumeSW2), oSUCCESS);
+  ASSERT_EQ(OPENR::GetVolumeSwitch(&volume), oSUCCESS);
+  EXPECT_EQ(volume, ovolumeSW2);
 }
 
 TEST_F(Timing, SensorsComeInVectorsOfFourFrames) {
