@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "measurement/numerics/legendre.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {
@@ -25,16 +25,8 @@ constexpr size_t kMostColumns = 400;  // Of these in all: more are dear, and few
 // Scaled to [-1, 1] over its range, angles left as they are; empty: constant or not known.
 std::vector<double> scaled(const Covariate& covariate) {
   std::vector<double> x = covariate.values;
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const double value : x) {
-    if (!std::isfinite(value)) return {};
-    low = std::min(low, value), high = std::max(high, value);
-  }
-  if (!(high - low > 1e-12 * std::max(std::abs(low), std::abs(high)))) return {};
-  if (covariate.type == Covariate::Type::cyclic) return x;
-  const double middle = 0.5 * (low + high), half = 0.5 * (high - low);
-  for (double& value : x) value = (value - middle) / half;
-  return x;
+  if (!scale_to_range(x)) return {};
+  return covariate.type == Covariate::Type::cyclic ? covariate.values : x;
 }
 
 // Waves of an angle; of a quantity a straight line and cosines without a slope at their ends.
@@ -61,19 +53,12 @@ Basis waves(const Covariate& covariate, const std::vector<double>& x) {
 // Legendre polynomials up to this degree; of an angle as many sines and cosines.
 Columns polynomials(const Covariate& covariate, const std::vector<double>& x, int most) {
   Columns values(static_cast<size_t>(most) + 1, std::vector<double>(x.size(), 1));
-  for (size_t i = 0; i < x.size(); ++i) {
-    for (size_t k = 1; k < values.size(); ++k) {
-      const auto degree = static_cast<double>(k);
-      if (covariate.type == Covariate::Type::cyclic) {
-        const double angle = std::floor((degree + 1) / 2) * x[i];
-        values[k][i] = k % 2 == 1 ? std::sin(angle) : std::cos(angle);
-      } else {
-        values[k][i] =
-            k == 1
-                ? x[i]
-                : ((2 * degree - 1) * x[i] * values[k - 1][i] - (degree - 1) * values[k - 2][i]) /
-                      degree;
-      }
+  for (int k = 1; k <= most; ++k) {
+    for (size_t i = 0; i < x.size(); ++i) {
+      const double angle = (k + 1) / 2 * x[i];
+      values[k][i] = covariate.type != Covariate::Type::cyclic ? legendre(k, x[i])
+                     : k % 2 == 1                              ? std::sin(angle)
+                                                               : std::cos(angle);
     }
   }
   return values;

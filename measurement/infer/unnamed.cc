@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "measurement/infer/random_effect.h"
@@ -35,9 +36,13 @@ class Residuals {
   // A function's columns, without what follows them, and what they gain.
   struct Function {
     MatrixXd columns, gram;
+    std::array<MatrixXd, kParts> gram_of_part;
     RandomEffect effect;
   };
   VectorXd own_of(const std::vector<double>& column) const;
+  auto rows_of(const auto& matrix, int part) const {
+    return matrix.middleRows(begins_[part], begins_[part + 1] - begins_[part]);
+  }
   Function function_of(const SmoothField& field) const;
   double held_out_gain(const Function& function) const;
   std::vector<SmoothField> fields();
@@ -45,9 +50,9 @@ class Residuals {
   const Problem& problem_;
   const Model& model_;
   Evaluation here_;
-  std::vector<size_t> scalars_;  // Those that take part.
-  std::vector<int> part_;        // Of each of them.
-  MatrixXd span_;                // Orthonormal: of the fitted parameters.
+  std::vector<size_t> scalars_;                // Those that take part, part by part.
+  std::array<Index, kParts + 1> begins_ = {};  // Of each part among them, then the end.
+  MatrixXd span_;                              // Orthonormal: of the fitted parameters.
   VectorXd rest_;
   std::vector<FieldPlace> places_;
 };
@@ -59,10 +64,12 @@ Residuals::Residuals(const Problem& problem, const Model& model,
   here_ = problem.evaluate(model, all);
   if (!here_.valid || here_.whitened.size() < problem.facts().scalars()) return;
   const std::vector<int>& blocks = problem.blocks();
-  for (size_t i = 0; i < problem.facts().scalars(); ++i) {
-    if (!here_.used[i]) continue;
-    scalars_.push_back(i);
-    part_.push_back((blocks.empty() ? problem.facts().group_of(i) : blocks[i]) % kParts);
+  for (int part = 0; part < kParts; ++part) {
+    for (size_t i = 0; i < problem.facts().scalars(); ++i) {
+      const int unit = blocks.empty() ? problem.facts().group_of(i) : blocks[i];
+      if (here_.used[i] && unit % kParts == part) scalars_.push_back(i);
+    }
+    begins_[part + 1] = static_cast<Index>(scalars_.size());
   }
   std::vector<Unknown> mean;
   std::copy_if(unknowns.begin(), unknowns.end(), std::back_inserter(mean),
@@ -98,10 +105,14 @@ Residuals::Function Residuals::function_of(const SmoothField& field) const {
   auto columns = columns_of(problem_.facts(), field);
   if (columns.empty()) return {};
   columns = problem_.following(model_, problem_.all_groups(), here_, std::move(columns));
-  Function function{MatrixXd(rest_.size(), static_cast<Index>(columns.size())), {}, {}};
+  const auto count = static_cast<Index>(columns.size());
+  Function function{.columns = MatrixXd(rest_.size(), count), .gram = MatrixXd::Zero(count, count)};
   for (size_t k = 0; k < columns.size(); ++k)
     function.columns.col(static_cast<Index>(k)) = own_of(columns[k]);
-  function.gram = function.columns.transpose() * function.columns;
+  for (int part = 0; part < kParts; ++part) {
+    const auto own = rows_of(function.columns, part);
+    function.gram += function.gram_of_part[part] = own.transpose() * own;
+  }
   return function;
 }
 
@@ -110,15 +121,8 @@ double Residuals::held_out_gain(const Function& function) const {
   const VectorXd all = function.columns.transpose() * rest_;
   double gain = 0;
   for (int part = 0; part < kParts; ++part) {
-    MatrixXd own = function.columns;
-    VectorXd rest = rest_;
-    for (size_t i = 0; i < part_.size(); ++i) {
-      if (part_[i] == part) continue;
-      own.row(static_cast<Index>(i)).setZero();
-      rest[static_cast<Index>(i)] = 0;
-    }
-    const MatrixXd gram = own.transpose() * own;
-    const VectorXd right = own.transpose() * rest;
+    const MatrixXd& gram = function.gram_of_part[part];
+    const VectorXd right = rows_of(function.columns, part).transpose() * rows_of(rest_, part);
     const VectorXd b = coefficients_of(function.gram - gram, all - right, function.effect.size);
     gain += right.dot(b) - 0.5 * b.dot(gram * b);
   }
@@ -167,7 +171,7 @@ std::optional<UnnamedCause> Residuals::best_cause() {
 
 std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
                                           const std::vector<Explanation>& explanations,
-                                          double width, double material) {
+                                          double material) {
   std::optional<UnnamedCause> best;
   for (size_t e = 0; e < explanations.size(); ++e) {
     const double ahead = explanations[e].log_evidence - explanations.back().log_evidence;
@@ -183,7 +187,7 @@ std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
     cause->lead = (cause->lead + ahead) / misfit;
     // Of equals the one with the fewest effects: beside a cause without a name small ones with
     // names are not to be trusted.
-    if (cause->lead > width && (!best || cause->lead > best->lead + kLeastGain))
+    if (cause->lead > 0 && (!best || cause->lead > best->lead + kLeastGain))
       best = std::move(cause);
   }
   return best;

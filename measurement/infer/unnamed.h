@@ -30,10 +30,10 @@ struct UnnamedCause {
 };
 
 // The best cause beside one of the explanations, each of which grew from the one before it, where
-// it is ahead of the last by more than a tie and groups that are held out agree. `width` is that of
-// a tie, `material` the least change in noise units that counts.
+// it is ahead of the last and groups that are held out agree. `material` is the least change in
+// noise units that counts.
 std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
                                           const std::vector<Explanation>& explanations,
-                                          double width, double material);
+                                          double material);
 
 }  // namespace seam::measurement

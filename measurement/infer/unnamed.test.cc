@@ -10,7 +10,7 @@
 namespace seam::measurement {
 namespace {
 
-constexpr double kNoise = 0.5, kWidth = 9.2, kMaterialShare = 0.1;
+constexpr double kNoise = 0.5, kMaterialShare = 0.1;
 
 // y = level + slope x + bend(x) + noise; the bend has no name.
 class Bent : public MadeProblem {
@@ -57,7 +57,7 @@ std::optional<UnnamedCause> cause_of(const Bent& problem, const std::vector<Asse
     const double price = 0.5 * std::log(600) * static_cast<double>(way.unknowns.size());
     explanations.push_back({&way, way.total_ll - price});
   }
-  return unnamed_cause(problem, explanations, kWidth, kMaterialShare);
+  return unnamed_cause(problem, explanations, kMaterialShare);
 }
 
 TEST(Unnamed, ACauseThatNoEffectDescribesIsFoundByWhatItDependsOn) {

@@ -226,7 +226,7 @@ std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::ve
                                            double material) {
   std::vector<Explanation> explanations;
   for (const Grown& g : grown) explanations.push_back({&g.assessment, merit_of(problem, g)});
-  auto cause = unnamed_cause(problem, explanations, 0, material);
+  auto cause = unnamed_cause(problem, explanations, material);
   if (!cause || cause->lead > kUnnamedWidth) return cause;
   // What leaves more than the noise is no explanation: one that leaves none need only be ahead.
   const bool better = grown.back().assessment.error > kMisfit && cause->error_after < kMisfit;

@@ -1,7 +1,6 @@
 // Structure tests: does the mean or the spread of the residuals depend on anything?
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <tuple>
 
@@ -90,16 +89,8 @@ std::vector<Signal> signals_of(const Facts& facts, const Evaluation& evaluation)
 bool scaled_column(const std::vector<double>& values, const std::vector<int>& rows,
                    std::vector<double>& out) {
   out.resize(rows.size());
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (size_t i = 0; i < rows.size(); ++i) {
-    out[i] = values[rows[i]];
-    if (!std::isfinite(out[i])) return false;
-    low = std::min(low, out[i]), high = std::max(high, out[i]);
-  }
-  if (!(high - low > 1e-12 * std::max(std::abs(low), std::abs(high)))) return false;
-  const double middle = 0.5 * (low + high), half = 0.5 * (high - low);
-  for (double& x : out) x = (x - middle) / half;
-  return true;
+  for (size_t i = 0; i < rows.size(); ++i) out[i] = values[rows[i]];
+  return scale_to_range(out);
 }
 
 // Legendre polynomials of degree 1 to 4: slow changes; waves of 1 to 6 periods: fast ones.
