@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "measurement/judge/judge.h"
+#include "measurement/judge/material.h"
 #include "measurement/numerics/curvature.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/regression.h"
-#include "measurement/search/judge.h"
-#include "measurement/search/material.h"
 #include "sim_core/base/random.h"
 
 namespace seam::measurement {

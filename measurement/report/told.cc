@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measurement/judge/material.h"
 #include "measurement/problem/neighbour.h"
-#include "measurement/search/material.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "measurement/fitting/few_groups.h"
-#include "measurement/search/judge.h"
+#include "measurement/judge/judge.h"
 
 namespace seam::measurement {
 

@@ -7,11 +7,11 @@
 #include "effects/questions.h"
 #include "measurement/fitting/foretaste.h"
 #include "measurement/fitting/group_scatter.h"
+#include "measurement/judge/decisions.h"
+#include "measurement/judge/material.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/numerics/regression.h"
-#include "measurement/search/decisions.h"
-#include "measurement/search/material.h"
 #include "sim_core/system/work_tally.h"
 
 namespace seam::measurement {

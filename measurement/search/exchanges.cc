@@ -5,9 +5,9 @@
 
 #include "effects/questions.h"
 #include "effects/registry.h"
+#include "measurement/judge/decisions.h"
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/search/choice.h"
-#include "measurement/search/decisions.h"
 #include "measurement/search/told_apart.h"
 #include "sim_core/system/work_tally.h"
 

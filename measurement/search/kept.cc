@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "measurement/fitting/group_scatter.h"
+#include "measurement/judge/decisions.h"
 #include "measurement/numerics/parallel_for.h"
-#include "measurement/search/decisions.h"
 #include "sim_core/system/work_tally.h"
 
 namespace seam::measurement {

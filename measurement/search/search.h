@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "measurement/infer/unnamed.h"
+#include "measurement/judge/material.h"
 #include "measurement/search/candidates.h"
-#include "measurement/search/material.h"
 
 namespace seam::measurement {
 

@@ -6,12 +6,12 @@
 #include <filesystem>
 
 #include "effects/registry.h"
+#include "measurement/judge/judge.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/numerics/span.h"
 #include "measurement/problem/made_problem.h"
 #include "measurement/search/choice.h"
 #include "measurement/search/exchanges.h"
-#include "measurement/search/judge.h"
 #include "measurement/search/models/add_effects.h"
 #include "measurement/search/search.h"
 #include "measurement/study/study.h"

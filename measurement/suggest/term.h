@@ -6,8 +6,8 @@
 
 #include "effects/effect.h"
 #include "effects/model.h"
+#include "measurement/judge/decisions.h"
 #include "measurement/problem/problem.h"
-#include "measurement/search/decisions.h"
 
 namespace seam::measurement {
 

@@ -5,10 +5,10 @@
 
 #include "effects/registry.h"
 #include "measurement/fitting/assess.h"
+#include "measurement/judge/decisions.h"
+#include "measurement/judge/material.h"
 #include "measurement/kinds/joints/joints_testing.h"
 #include "measurement/search/choice.h"
-#include "measurement/search/decisions.h"
-#include "measurement/search/material.h"
 #include "measurement/search/order.h"
 
 namespace seam::measurement {

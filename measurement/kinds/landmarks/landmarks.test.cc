@@ -9,9 +9,9 @@
 #include <map>
 
 #include "effects/registry.h"
+#include "measurement/judge/material.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/search/candidates.h"
-#include "measurement/search/material.h"
 #include "measurement/search/search.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "measurement/fitting/group_scatter.h"
-#include "measurement/search/decisions.h"
+#include "measurement/judge/decisions.h"
 #include "measurement/search/models/compare.h"
 #include "measurement/search/told_apart.h"
 #include "sim_core/base/error.h"

@@ -1,12 +1,12 @@
-#include "measurement/search/material.h"
+#include "measurement/judge/material.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "measurement/judge/decisions.h"
 #include "measurement/problem/neighbour.h"
 #include "measurement/problem/residual_view.h"
-#include "measurement/search/decisions.h"
 
 namespace seam::measurement {
 namespace {

@@ -1,16 +1,16 @@
 // When an effect counts as found, against calculations of other ways: likelihood ratios from sums
 // of squares, tails in closed form, and ties told by hand.
-#include "measurement/search/judge.h"
+#include "measurement/judge/judge.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "effects/registry.h"
+#include "measurement/judge/decisions.h"
 #include "measurement/problem/made_problem.h"
 #include "measurement/search/candidates.h"
 #include "measurement/search/choice.h"
-#include "measurement/search/decisions.h"
 
 namespace seam::measurement {
 namespace {

@@ -1,6 +1,6 @@
 // Significant is not material: what moves predictions by a twentieth of the noise is a trace,
 // however sure; the sizes are computed in another way.
-#include "measurement/search/material.h"
+#include "measurement/judge/material.h"
 
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>

@@ -1,12 +1,12 @@
-#include "measurement/search/judge.h"
+#include "measurement/judge/judge.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "effects/registry.h"
+#include "measurement/judge/material.h"
 #include "measurement/numerics/regression.h"
-#include "measurement/search/material.h"
 
 namespace seam::measurement {
 namespace {

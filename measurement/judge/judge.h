@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "measurement/fitting/assess.h"
-#include "measurement/search/decisions.h"
+#include "measurement/judge/decisions.h"
 
 namespace seam::measurement {
 
