@@ -219,6 +219,10 @@ inline constexpr double kPromising = 0.5;
 inline constexpr size_t kMostTerms = 6;
 // Waves have up to so many half periods over a variable's range. A judgement: each is a look.
 inline constexpr int kMostWaves = 300;
+// Those that are so strong, as a share of the strongest, may be the strongest once their frequency
+// is found: half a step of the grid off, a wave has four fifths of its gain. A faster one is taken
+// if it gains so many times as much. A judgement.
+inline constexpr double kNearlyAsStrong = 0.7, kClearlyStronger = 1.02;
 // A wave has amplitude, frequency and phase.
 inline constexpr double kWaveParameters = 3;
 // A wave is looked for with so many observations at least, those on which its output acts by this
@@ -236,5 +240,8 @@ inline constexpr double kAgreedFormula = 2.5;
 // A term takes at least this share of a channel's squared residual, or it is not worth reading: at
 // the noise what kMaterial moves takes so much.
 inline constexpr double kLeastWorthReading = 0.01;
+// And this share of what the squared error has beyond the noise, where the model misses that: a few
+// terms that each take less explain nothing, and are dear. A judgement.
+inline constexpr double kLeastOfExcess = 0.1;
 
 }  // namespace seam::measurement

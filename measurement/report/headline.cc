@@ -43,23 +43,35 @@ std::string nearest_text(const SearchResult& result) {
                      names.size() == 1 ? "leaves" : "leave", left, result.base.assessment.error);
 }
 
+// What a formula leaves, and what it is; empty where none is known.
+std::string formula_sentence(const SearchResult& result) {
+  if (!result.suggestion) return "";
+  const Suggestion& formula = *result.suggestion;
+  return fmt::format(" A formula leaves {:.3g} of {:.3g}: {}.", formula.error, formula.error_before,
+                     formula.formula);
+}
+
+// The effects that only imitate a cause without a name, or where there are none what comes nearest.
+std::string mimics_text(const SearchResult& result) {
+  if (result.mimics.empty()) return result.steps.empty() ? nearest_text(result) : "";
+  const bool one = result.mimics.size() == 1;
+  return fmt::format(" Nearest: {}, which {} {:.3g} and may only imitate the cause.",
+                     fmt::join(result.mimics, ", "), one ? "leaves" : "leave", result.mimics_error);
+}
+
 // A cause without a name, beside what is missing for sure: "residuals depend on row and column".
 std::string unnamed_text(const SearchResult& result) {
   const UnnamedCause& cause = *result.unnamed;
   std::vector<std::string> functions;
   for (const std::vector<std::string>& covariates : cause.depends_on)
     functions.push_back(fmt::format("{}", fmt::join(covariates, " and ")));
-  std::string text = fmt::format(
-      "No known effect explains what depends on {} ({} x noise): {} the error from {:.3g} to "
-      "{:.3g}.",
-      fmt::join(functions, ", and on "), two_digits(cause.noise_units),
-      functions.size() == 1 ? "a smooth function lowers" : "smooth functions lower",
-      cause.error_before, cause.error_after);
-  if (result.mimics.empty()) return text + (result.steps.empty() ? nearest_text(result) : "");
-  const bool one = result.mimics.size() == 1;
-  return text + fmt::format(" Nearest: {}, which {} {:.3g} and may only imitate the cause.",
-                            fmt::join(result.mimics, ", "), one ? "leaves" : "leave",
-                            result.mimics_error);
+  return fmt::format(
+             "No known effect explains what depends on {} ({} x noise): {} the error from {:.3g} to "
+             "{:.3g}.",
+             fmt::join(functions, ", and on "), two_digits(cause.noise_units),
+             functions.size() == 1 ? "a smooth function lowers" : "smooth functions lower",
+             cause.error_before, cause.error_after) +
+         formula_sentence(result) + mimics_text(result);
 }
 
 // What is missing, for sure, and what fits best where its range ends: there the true cause may be
@@ -141,9 +153,10 @@ std::string headline(const Problem& problem, const SearchResult& result, size_t 
   if (result.unnamed)
     return fmt::format("{} What matters beside it: {}\n", unnamed_text(result), steps_text(result));
   if (result.verdict == "unexplained_structure" && !result.remaining.empty())
-    return fmt::format("No known effect explains this: {}.{}\n",
+    return fmt::format("No known effect explains this: {}.{}{}\n",
                        strongest_text(problem, result.best.assessment, result.remaining),
-                       nearest_text(result));
+                       formula_sentence(result),
+                       result.mimics.empty() ? nearest_text(result) : mimics_text(result));
   if (result.steps.empty())
     return nothing_text(problem, result.best.assessment, result.material, traces);
   return fmt::format("What matters: {}\n", steps_text(result));

@@ -181,8 +181,8 @@ TEST(ReportData, AStrengthStandsBesideItsOwnModelAlone) {
       {.residual = "bearing_rad", .moment = "mean", .covariate = "time", .strength = 10}};
   result.remaining = {
       {.residual = "range_m", .moment = "mean", .covariate = "range", .strength = 0.02}};
-  const auto report = nlohmann::json::parse(
-      diagnose_report(*problem, result, std::nullopt, {.data_folder = folder}));
+  const auto report =
+      nlohmann::json::parse(diagnose_report(*problem, result, {.data_folder = folder}));
   int strengths = 0;
   ASSERT_EQ(report["plots"]["residuals"].size(), 4u);
   for (const auto& plot : report["plots"]["residuals"]) {

@@ -233,10 +233,9 @@ std::string compare_report(const Problem& problem, const CompareResult& result,
 }
 
 std::string diagnose_report(const Problem& problem, const SearchResult& result,
-                            const std::optional<Suggestion>& suggestion,
                             const ReportHeader& header) {
   return document(problem, header, stages_of(result),
-                  diagnose_json(problem, result, suggestion, header.doubts));
+                  diagnose_json(problem, result, header.doubts));
 }
 
 std::string discover_report(const Problem& problem, const SearchResult& result,

@@ -25,7 +25,6 @@ nlohmann::json effects_json(const effects::Model& model);
 std::string compare_report(const Problem& problem, const CompareResult& result,
                            const ReportHeader& header);
 std::string diagnose_report(const Problem& problem, const SearchResult& result,
-                            const std::optional<Suggestion>& suggestion,
                             const ReportHeader& header);
 std::string discover_report(const Problem& problem, const SearchResult& result,
                             const ReportHeader& header);

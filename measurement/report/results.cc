@@ -90,6 +90,16 @@ std::string candidates_text(const std::vector<Candidate>& candidates) {
   return found + others;
 }
 
+// A formula for what no known effect explains; empty where none is known.
+std::string formula_text(const SearchResult& result) {
+  if (!result.suggestion) return "";
+  const Suggestion& formula = *result.suggestion;
+  return fmt::format(
+      "formula: {}\n  error {:.4f} -> {:.4f} on held-out groups{}\n", formula.formula,
+      formula.error_before, formula.error,
+      formula.beside.empty() ? "" : fmt::format(", beside {}", fmt::join(formula.beside, ", ")));
+}
+
 // Of what no known effect explains: what to vary, by the strongest structure of which a user can.
 std::string advice_on(const Problem& problem, const std::vector<Structure>& structure) {
   if (structure.empty()) return "";
@@ -185,6 +195,7 @@ std::string diagnose_text(const Problem& problem, const SearchResult& result,
   text += fmt::format("verdict: {}\n", result.verdict);
   if (!result.mimics.empty())
     text += fmt::format("may only imitate the unknown cause: {}\n", fmt::join(result.mimics, ", "));
+  text += formula_text(result);
   text += candidates_text(result.first.candidates);
   const auto& structure = unexplained ? result.remaining : result.base_structure;
   if (!structure.empty()) {
@@ -215,6 +226,7 @@ std::string discover_text(const Problem& problem, const SearchResult& result,
   if (!result.mimics.empty())
     text += fmt::format("  not added, since an unknown cause explains more: {}\n",
                         fmt::join(result.mimics, ", "));
+  text += formula_text(result);
   for (const KeptTrace& kept : result.kept) {
     text +=
         fmt::format("  kept, a trace: {}   {}; without it {} would be {:.0f} standard errors off\n",

@@ -5,7 +5,6 @@
 
 #include "measurement/search/models/add_effects.h"
 #include "measurement/search/models/compare.h"
-#include "measurement/suggest/suggest.h"
 
 namespace seam::measurement {
 
@@ -15,7 +14,6 @@ using Doubts = std::vector<std::string>;
 std::string compare_json(const Problem& problem, const CompareResult& result,
                          const Doubts& doubts = {});
 std::string diagnose_json(const Problem& problem, const SearchResult& result,
-                          const std::optional<Suggestion>& suggestion = {},
                           const Doubts& doubts = {});
 std::string discover_json(const Problem& problem, const SearchResult& result,
                           const Doubts& doubts = {});

@@ -16,18 +16,14 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json noise_json(const Problem& problem) {
-  ordered_json noise = ordered_json::object();
-  for (const Channel& channel : problem.facts().channels)
-    noise[channel.name] = finite_or_null<ordered_json>(channel.noise);
-  return noise;
-}
-
 void add_noise(ordered_json& json, const Problem& problem) {
-  json["noise"] = noise_json(problem);
+  ordered_json noise = ordered_json::object();
   bool estimated = false;
-  for (const Channel& channel : problem.facts().channels)
+  for (const Channel& channel : problem.facts().channels) {
+    noise[channel.name] = finite_or_null<ordered_json>(channel.noise);
     estimated = estimated || channel.estimated;
+  }
+  json["noise"] = noise;
   json["noise_estimated"] = estimated;
 }
 
@@ -261,9 +257,18 @@ std::string compare_json(const Problem& problem, const CompareResult& result,
   return dumped(json);
 }
 
-// A cause without a name that explains the set better than the effects that imitate it.
+// Causes without a name that explain the set better than the effects that imitate them.
 void add_unnamed(ordered_json& json, const SearchResult& result) {
   json["noise_of_unknown_cause"] = noises_of_unknown_cause(result);
+  if (const auto& formula = result.suggestion)
+    json["suggestion"] = {{"effect", formula->effect},
+                          {"formula", formula->formula},
+                          {"error", finite_or_null<ordered_json>(formula->error)},
+                          {"error_before", finite_or_null<ordered_json>(formula->error_before)},
+                          {"terms", formula->terms},
+                          {"beside", formula->beside},
+                          {"mimics", result.mimics},
+                          {"yaml", formula->yaml}};
   if (!result.unnamed) return;
   const UnnamedCause& cause = *result.unnamed;
   json["unnamed_cause"] = {{"depends_on", cause.depends_on},
@@ -276,7 +281,7 @@ void add_unnamed(ordered_json& json, const SearchResult& result) {
 }
 
 std::string diagnose_json(const Problem& problem, const SearchResult& result,
-                          const std::optional<Suggestion>& suggestion, const Doubts& doubts) {
+                          const Doubts& doubts) {
   const Assessment& base = result.base.assessment;
   ordered_json json = {{"format", "seam-diagnose/1"},
                        {"headline", without_newline(diagnose_headline(problem, result))},
@@ -312,13 +317,6 @@ std::string diagnose_json(const Problem& problem, const SearchResult& result,
   add_notes(json, problem, result.best.assessment.model);
   add_figures(json, problem, base);
   json["advice"] = advice_for(problem, result);
-  if (suggestion) {
-    json["suggestion"] = {{"effect", suggestion->effect},
-                          {"error", finite_or_null<ordered_json>(suggestion->error)},
-                          {"error_before", finite_or_null<ordered_json>(suggestion->error_before)},
-                          {"terms", suggestion->terms},
-                          {"beside", suggestion->beside}};
-  }
   return dumped(json);
 }
 

@@ -51,40 +51,6 @@ TEST(Without, TheRestTakesOverWhatTheEffectStoodFor) {
   EXPECT_EQ(less.assessment.model.find("level")->value("size"), fit.value[1]);
 }
 
-// y = level + cube x^3, of data that are a wave.
-TEST(LookForUnnamed, AStepThatOnlyImitatesAWaveIsNoStep) {
-  struct Wave : MadeProblem {
-    Wave() : MadeProblem(evenly(-1, 1, 600), kNoiseOfLine, level_and_cube) {
-      deal_into(12);
-      facts_.covariates = {{.name = "x", .values = x()}};
-      std::vector<double> y;
-      for (size_t i = 0; i < x().size(); ++i)
-        y.push_back(0.2 * std::sin(5 * x()[i]) + kNoiseOfLine * normal({7, 2}, i));
-      take(std::move(y));
-    }
-    static double level_and_cube(const std::vector<double>& p, double at) {
-      return p[0] + (p.size() > 1 ? p[1] * at * at * at : 0);
-    }
-  };
-  const Wave problem;
-  Model level, cube;
-  level.set(effect_of("level"), {{.value = 0}});
-  cube = level;
-  cube.set(effect_of("cube"), {{.value = 0}});
-  SearchResult result{.material = kMaterial};
-  result.base = {.assessment = assess(problem, level, {{"level", 0}})};
-  result.best = {.added = {"cube"},
-                 .assessment = assess(problem, cube, {{"level", 0}, {"cube", 0}})};
-  ASSERT_LT(result.best.assessment.error, result.base.assessment.error);
-  result.steps = {{.effect = "cube", .after = result.best.assessment}};
-  look_for_unnamed(problem, result);
-  ASSERT_TRUE(result.unnamed);
-  EXPECT_EQ(result.unnamed->depends_on, std::vector<std::vector<std::string>>{{"x"}});
-  EXPECT_EQ(result.mimics, std::vector<std::string>{"cube"});
-  EXPECT_TRUE(result.steps.empty());
-  EXPECT_FALSE(result.best.assessment.model.has("cube"));
-}
-
 // y = size * cos(x - phase) beside a slope.
 struct Swing : MadeProblem {
   Swing()

@@ -222,34 +222,6 @@ void order_steps(const Problem& problem, const EffectByName& effect_by_name,
   if (explained) tell_ties(problem, effect_by_name, exchanges, searched, promising, result);
 }
 
-std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::vector<Grown>& grown,
-                                           double material) {
-  std::vector<Explanation> explanations;
-  for (const Grown& g : grown) explanations.push_back({&g.assessment, merit_of(problem, g)});
-  auto cause = unnamed_cause(problem, explanations, material);
-  if (!cause || cause->lead > kUnnamedWidth) return cause;
-  // What leaves more than the noise is no explanation: one that leaves none need only be ahead.
-  const bool better = grown.back().assessment.error > kMisfit && cause->error_after < kMisfit;
-  return better ? cause : std::nullopt;
-}
-
-void look_for_unnamed(const Problem& problem, SearchResult& result) {
-  std::vector<Grown> grown = {result.base};
-  for (const Step& step : result.steps) {
-    grown.push_back({grown.back().added, step.after});
-    grown.back().added.push_back(step.effect);
-  }
-  grown.back() = result.best;
-  result.unnamed = unnamed_beside(problem, grown, result.material);
-  if (!result.unnamed || result.unnamed->beside + 1 == grown.size()) return;
-  const auto first = result.steps.begin() + static_cast<std::ptrdiff_t>(result.unnamed->beside);
-  for (auto step = first; step != result.steps.end(); ++step) result.mimics.push_back(step->effect);
-  result.mimics_error = result.best.assessment.error;
-  result.steps.erase(first, result.steps.end());
-  result.best = std::move(grown[result.unnamed->beside]);
-  result.kept.clear();
-}
-
 std::vector<std::string> noises_found(const SearchResult& result) {
   std::vector<std::string> names;
   for (const Step& step : result.steps) {
@@ -271,6 +243,26 @@ std::vector<std::string> noises_of_unknown_cause(const SearchResult& result) {
 bool explained_by_noises(const SearchResult& result) {
   return result.verdict == "missing_effect" && result.remaining.empty() &&
          noises_found(result).size() == result.steps.size();
+}
+
+void give_verdict(const Problem& problem, SearchResult& result) {
+  const double material = result.material;
+  const SplitStructure of_base = significant_structure(problem, result.base.assessment, material);
+  const bool is_given = result.steps.empty() && result.kept.empty();
+  const SplitStructure of_best =
+      is_given ? of_base : significant_structure(problem, result.best.assessment, material);
+  result.base_structure = of_base.material, result.base_traces = of_base.traces;
+  result.remaining = of_best.material, result.remaining_traces = of_best.traces;
+  const bool first_found =
+      !result.first.candidates.empty() && result.first.candidates.front().significant;
+  const bool has_error = std::isfinite(result.best.assessment.error);
+  const bool structure_left =
+      !result.remaining.empty() && (has_mean_structure(result.remaining) || !first_found);
+  if (!has_error || result.unnamed || !result.mimics.empty() || structure_left) {
+    result.verdict = "unexplained_structure";
+  } else {
+    result.verdict = result.steps.empty() ? "adequate" : "missing_effect";
+  }
 }
 
 void rank_by_search(const Problem& problem, SearchResult& result) {

@@ -15,23 +15,19 @@ void order_steps(const Problem& problem, const EffectByName& effect_by_name,
                  const Exchanges& exchanges, const std::vector<std::string>& promising,
                  SearchResult& result);
 
-// The steps that are noises: what has a name comes before any formula.
+// The steps that are noises.
 std::vector<std::string> noises_found(const SearchResult& result);
 // Of these, those that are described by their size and length alone: noise of unknown cause.
 std::vector<std::string> noises_of_unknown_cause(const SearchResult& result);
-// Whether they are all that the model lacked.
+// Whether noises are all that the model lacked.
 bool explained_by_noises(const SearchResult& result);
+
+// Tests the structure of the residuals of the model given and of the best one, and says what both
+// leave.
+void give_verdict(const Problem& problem, SearchResult& result);
 
 // Puts the effects of the final model first, in the order of its steps, and says of the others
 // which of these they stand in for: alone they seemed to help, beside them they do not.
 void rank_by_search(const Problem& problem, SearchResult& result);
-
-// The best cause without a name beside one of these models, each of which grew from the one before.
-std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::vector<Grown>& grown,
-                                           double material);
-
-// A smooth function of what residuals may depend on competes with the steps. Where it explains the
-// set better beside some of them, the others imitate it: they are steps no more.
-void look_for_unnamed(const Problem& problem, SearchResult& result);
 
 }  // namespace seam::measurement

@@ -13,6 +13,7 @@
 #include "measurement/search/kept.h"
 #include "measurement/search/order.h"
 #include "measurement/search/told_apart.h"
+#include "measurement/search/without_name.h"
 
 namespace seam::measurement {
 namespace {
@@ -366,21 +367,8 @@ SearchResult Searcher::run() {
   progress_("looking for a cause without a name");
   look_for_unnamed(problem_, result);
   progress_("testing what structure remains");
-  const SplitStructure of_base = significant_structure(problem_, base_.assessment, material_);
-  const bool is_given = result.steps.empty() && result.kept.empty();
-  const SplitStructure of_best =
-      is_given ? of_base : significant_structure(problem_, result.best.assessment, material_);
-  result.base_structure = of_base.material, result.base_traces = of_base.traces;
-  result.remaining = of_best.material, result.remaining_traces = of_best.traces;
-  const bool first_found =
-      !result.first.candidates.empty() && result.first.candidates.front().significant;
-  const bool has_error = std::isfinite(result.best.assessment.error);
-  if (!has_error || result.unnamed ||
-      (!result.remaining.empty() && (has_mean_structure(result.remaining) || !first_found))) {
-    result.verdict = "unexplained_structure";
-  } else {
-    result.verdict = result.steps.empty() ? "adequate" : "missing_effect";
-  }
+  give_verdict(problem_, result);
+  if (look_for_formula(problem_, progress_, result)) give_verdict(problem_, result);
   rank_by_search(problem_, result);
   widen_by_group_scatter(problem_, kMisfit, result.base.assessment);
   result.errors_widened = widen_by_group_scatter(problem_, kMisfit, result.best.assessment);

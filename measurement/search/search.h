@@ -10,6 +10,7 @@
 #include "measurement/infer/unnamed.h"
 #include "measurement/judge/material.h"
 #include "measurement/search/candidates.h"
+#include "measurement/suggest/suggest.h"
 
 namespace seam::measurement {
 
@@ -42,9 +43,10 @@ struct SearchResult {
   std::vector<KeptTrace> kept;         // In `best` beside the steps.
   std::vector<Structure> remaining;    // Significant structure after the last step.
   std::vector<Structure> remaining_traces;
-  // What no effect with a name explains as well, and the effects that only imitate it: they were
-  // found, and are no steps.
+  // What no effect with a name explains as well: smooth functions, and a formula beside `best`.
+  // Effects that only imitate it were found, and are no steps.
   std::optional<UnnamedCause> unnamed;
+  std::optional<Suggestion> suggestion;
   std::vector<std::string> mimics;
   double mimics_error = 0;             // Of the model that has them.
   std::vector<Candidate> last_traces;  // Effects that are traces beside the best model.

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "measurement/kinds/kinds.h"
-#include "measurement/suggest/suggest.h"
 #include "measurement/suggest/term.h"
 #include "sim_core/base/error.h"
 
@@ -194,8 +193,7 @@ std::optional<Suggestion> proposed(const std::string& kind, const std::string& e
   measure_set(truth, MeasurementSet::open(scratch(name + "-protocol")),
               {.seed = 3, .out = scratch(name)});
   const auto problem = open_problem(scratch(name));
-  const SearchResult result = search(*problem, nominal, {}, silent);
-  return suggest(*problem, result, silent);
+  return search(*problem, nominal, {}, silent).suggestion;
 }
 
 TEST(Suggest, ACameraThatTurnsInItsHolderIsOneTerm) {
@@ -231,7 +229,7 @@ TEST(Suggest, NothingWhereTheCatalogueExplains) {
   measure_set(nominal, MeasurementSet::open(scratch("suggest-none-protocol")),
               {.seed = 3, .out = scratch("suggest-none")});
   const auto problem = open_problem(scratch("suggest-none"));
-  EXPECT_FALSE(suggest(*problem, search(*problem, nominal, {}, silent), silent));
+  EXPECT_FALSE(search(*problem, nominal, {}, silent).suggestion);
 }
 
 }  // namespace

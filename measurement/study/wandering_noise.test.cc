@@ -8,7 +8,6 @@
 #include "measurement/kinds/kinds.h"
 #include "measurement/search/order.h"
 #include "measurement/study/study.h"
-#include "measurement/suggest/suggest.h"
 
 namespace seam::measurement {
 namespace {
@@ -52,7 +51,7 @@ TEST_P(NotWhite, IsNamed) {
   EXPECT_TRUE(result.remaining.empty());
   // It has a name, and no formula is written in its place.
   EXPECT_EQ(noises_found(result), std::vector<std::string>{c.name()});
-  EXPECT_FALSE(suggest(*problem, result, [](const std::string&) {}));
+  EXPECT_FALSE(result.suggestion);
   EXPECT_NEAR(result.best.assessment.error, 1, 0.12);
   const Assessment& best = result.best.assessment;
   for (size_t k = 0; k < best.unknowns.size(); ++k) {

@@ -7,6 +7,7 @@
 
 #include "sim_core/base/config.h"
 #include "sim_core/base/error.h"
+#include "sim_core/base/maths.h"
 
 namespace seam::measurement {
 namespace {
@@ -111,6 +112,30 @@ std::string Term::label() const {
     parts.push_back(piece.output + ": " + text);
   }
   return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string formula_text(const std::vector<Term>& terms) {
+  std::vector<std::string> outputs, sums;
+  for (const Term& term : terms) {
+    for (const Term::Piece& piece : term.pieces) {
+      const size_t at = std::find(outputs.begin(), outputs.end(), piece.output) - outputs.begin();
+      if (at == outputs.size()) outputs.push_back(piece.output), sums.emplace_back();
+      std::string text = piece.text;
+      if (term.is_wave())
+        text.replace(text.find('@'), 1,
+                     fmt::format("2 * pi * {} / {:.4g} {} {:.2g}", term.variable,
+                                 2 * maths::kPi / term.frequency, term.phase < 0 ? '-' : '+',
+                                 std::abs(term.phase)));
+      const bool first = sums[at].empty();
+      sums[at] += fmt::format("{}{:.3g}{}",
+                              term.coefficient < 0 ? first ? "-" : " - "
+                              : first              ? ""
+                                                   : " + ",
+                              std::abs(term.coefficient), text == "1" ? "" : " * " + text);
+    }
+  }
+  for (size_t i = 0; i < outputs.size(); ++i) sums[i] = outputs[i] + ": " + sums[i];
+  return fmt::format("{}", fmt::join(sums, ", "));
 }
 
 std::vector<Vocabulary> vocabularies(effects::Kind kind, const std::vector<std::string>& columns) {

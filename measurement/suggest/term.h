@@ -1,4 +1,4 @@
-// Terms of a formula: what `diagnose --suggest` builds an expression effect from.
+// Terms of a formula: what an expression effect that is suggested is built from.
 #pragma once
 
 #include <string>
@@ -39,6 +39,10 @@ struct Vocabulary {
 
 // The stages whose formulas act on a kind; `columns` are the further columns of a servo log.
 std::vector<Vocabulary> vocabularies(effects::Kind kind, const std::vector<std::string>& columns);
+
+// What the terms add to each output, with their values, for people: "u: 0.31 * sin(5.2 * t + 0.3) -
+// 0.02 * x, v: 0.1 * y".
+std::string formula_text(const std::vector<Term>& terms);
 
 // The YAML of an expression effect: outputs plus coefficient times term, each coefficient with a
 // neutral value of 0. `help` is a sentence.

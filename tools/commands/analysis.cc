@@ -1,5 +1,7 @@
 #include "tools/commands/analysis.h"
 
+#include <fmt/ranges.h>
+
 #include "app/data_file.h"
 #include "app/import/recognise.h"
 #include "app/predictors/instruments.h"
@@ -80,6 +82,22 @@ measurement::Doubts doubts_about(const AnalysisFlags& flags, const effects::Mode
 double unexplained_error(const measurement::SearchResult& result) {
   const double found = result.best.assessment.error;
   return found < measurement::kMisfit ? found : result.base.assessment.error;
+}
+
+std::string how_to_add(const AnalysisFlags& flags, const std::string& model,
+                       const std::string& suggested, const measurement::SearchResult& result) {
+  if (!result.suggestion || result.suggestion->error > measurement::kMisfit) return "";
+  const std::string file = suggested.empty() ? "NAME.yaml" : suggested;
+  std::string text = "to keep the formula: ";
+  if (suggested.empty())
+    text += fmt::format("seam diagnose --model {} --data {} --suggest {}, then ", flags.model,
+                        flags.data, file);
+  text += fmt::format("write a name for '{}' in {}, then ", result.suggestion->effect, file);
+  if (model == flags.model && !result.suggestion->beside.empty())
+    text +=
+        fmt::format("add {} (seam discover), then ", fmt::join(result.suggestion->beside, ", "));
+  return text + fmt::format("seam add {} --model {} --data {} --out with_NAME.yaml\n", file, model,
+                            flags.data);
 }
 
 AnalysisOutputs::AnalysisOutputs(const AnalysisFlags& flags, const std::string& out_file) {

@@ -55,6 +55,11 @@ measurement::Doubts doubts_about(const AnalysisFlags& flags, const effects::Mode
 // the set.
 double unexplained_error(const measurement::SearchResult& result);
 
+// How a formula that reaches the noise becomes an effect of the model: the commands, with a name to
+// fill in. `suggested` is the file that has it; empty: none. `model` is what it is added to.
+std::string how_to_add(const AnalysisFlags& flags, const std::string& model,
+                       const std::string& suggested, const measurement::SearchResult& result);
+
 // What a command writes, claimed before it reads and computes: a path that cannot be written is
 // an error at once. `out` is a model or effect that the command makes.
 struct AnalysisOutputs {

@@ -11,20 +11,14 @@
 namespace seam::tools {
 namespace {
 
-std::string text_of(const std::optional<measurement::Suggestion>& suggestion,
-                    const measurement::SearchResult& result, const std::string& file) {
+// What was written, or why nothing was.
+std::string text_of(const measurement::SearchResult& result, const std::string& file) {
+  if (result.suggestion)
+    return fmt::format("suggested effect {}, in {}\n", result.suggestion->effect, file);
   std::string text;
   if (const auto noises = measurement::noises_found(result); !noises.empty())
     text = fmt::format("noise of the catalogue, before any formula: {}\n", fmt::join(noises, ", "));
-  if (!suggestion)
-    return text + "no effect is suggested: held-out groups support none beyond the catalogue\n";
-  text += fmt::format("suggested effect, in {}:\n", file);
-  for (const std::string& term : suggestion->terms) text += "  " + term + "\n";
-  text += fmt::format("  error {:.4f} -> {:.4f} on held-out groups", suggestion->error_before,
-                      suggestion->error);
-  if (!suggestion->beside.empty())
-    text += fmt::format(", beside {}: add these first", fmt::join(suggestion->beside, ", "));
-  return text + "\n";
+  return text + "no effect is suggested: held-out groups support none beyond the catalogue\n";
 }
 
 }  // namespace
@@ -40,8 +34,8 @@ void add_diagnose(app::Command app) {
                      "A file with effects of your own, tried beside the catalogue");
   auto suggested = std::make_shared<std::string>();
   command.add_option("--suggest", *suggested,
-                     "Writes an effect proposed from the residuals, for seam add; no file where "
-                     "none is supported");
+                     "Writes the formula that explains what no known effect does, for seam add; no "
+                     "file where there is none");
   command.footer("Example: seam diagnose --model nominal.yaml --data sets/points-a");
   command.callback([flags, candidates, suggested] {
     AnalysisOutputs outputs(*flags, *suggested);
@@ -50,19 +44,17 @@ void add_diagnose(app::Command app) {
     const auto problem = open_problem(*flags);
     const auto result =
         measurement::search(*problem, model, own, progress_to_terminal(), flags->material);
-    std::optional<measurement::Suggestion> suggestion;
     const auto doubts = doubts_about(*flags, model, unexplained_error(result));
     std::string text = measurement::diagnose_text(*problem, result, doubts);
     if (!suggested->empty()) {
-      suggestion = measurement::suggest(*problem, result, progress_to_terminal());
-      text += text_of(suggestion, result, *suggested);
-      if (suggestion) outputs.out.fill(suggestion->yaml);
+      text += text_of(result, *suggested);
+      if (result.suggestion) outputs.out.fill(result.suggestion->yaml);
     }
-    outputs.print(text,
-                  [&] { return measurement::diagnose_json(*problem, result, suggestion, doubts); });
+    text += how_to_add(*flags, flags->model, *suggested, result);
+    outputs.print(text, [&] { return measurement::diagnose_json(*problem, result, doubts); });
     if (outputs.report) {
       measurement::write_report(
-          outputs.report, measurement::diagnose_report(*problem, result, suggestion,
+          outputs.report, measurement::diagnose_report(*problem, result,
                                                        report_header("diagnose", *flags, doubts)));
     }
   });

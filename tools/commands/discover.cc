@@ -33,8 +33,9 @@ void add_discover(app::Command app) {
     if (outputs.target)
       outputs.target.fill(measurement::target_table(*problem, result.best.assessment.model));
     const auto doubts = doubts_about(*flags, model, unexplained_error(result));
-    outputs.print(measurement::discover_text(*problem, result, doubts),
-                  [&] { return measurement::discover_json(*problem, result, doubts); });
+    outputs.print(
+        measurement::discover_text(*problem, result, doubts) + how_to_add(*flags, *out, "", result),
+        [&] { return measurement::discover_json(*problem, result, doubts); });
     if (outputs.report) {
       measurement::write_report(
           outputs.report, measurement::discover_report(*problem, result,

@@ -1,0 +1,96 @@
+#include "measurement/search/without_name.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seam::measurement {
+namespace {
+
+// The model given, and with each further step.
+std::vector<Grown> explanations_of(const SearchResult& result) {
+  std::vector<Grown> grown = {result.base};
+  for (const Step& step : result.steps) {
+    grown.push_back({grown.back().added, step.after});
+    grown.back().added.push_back(step.effect);
+  }
+  grown.back() = result.best;
+  return grown;
+}
+
+// Steps from this one on imitate a cause without a name.
+void end_steps_at(size_t count, const Grown& best, SearchResult& result) {
+  if (count == result.steps.size()) return;
+  const auto first = result.steps.begin() + static_cast<std::ptrdiff_t>(count);
+  std::vector<std::string> mimics;
+  for (auto step = first; step != result.steps.end(); ++step) mimics.push_back(step->effect);
+  result.mimics.insert(result.mimics.begin(), mimics.begin(), mimics.end());
+  if (result.mimics.size() == mimics.size()) result.mimics_error = result.best.assessment.error;
+  result.steps.erase(first, result.steps.end());
+  result.best = best;
+  result.kept.clear();
+}
+
+// Whether a cause without a name is ahead of the last explanation, all of whose causes have names.
+// What leaves more than the noise is no explanation: one that leaves none need only be ahead.
+bool explains_better(double lead, double error, const Grown& last) {
+  return lead > kUnnamedWidth || (lead > 0 && last.assessment.error > kMisfit && error < kMisfit);
+}
+
+// How many of the first steps are none of spread: beside a spread, which takes whatever mean is
+// left, a formula has little to take, and is dear to fit.
+size_t steps_of_mean(const SearchResult& result) {
+  const auto spread = std::find_if(result.steps.begin(), result.steps.end(), [](const Step& step) {
+    const effects::ModelEffect* effect = step.after.model.find(step.effect);
+    return effect != nullptr && effect->definition->spread_only;
+  });
+  return static_cast<size_t>(spread - result.steps.begin());
+}
+
+}  // namespace
+
+std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::vector<Grown>& grown,
+                                           double material) {
+  std::vector<Explanation> explanations;
+  for (const Grown& g : grown) explanations.push_back({&g.assessment, merit_of(problem, g)});
+  auto cause = unnamed_cause(problem, explanations, material);
+  if (cause && !explains_better(cause->lead, cause->error_after, grown.back())) cause.reset();
+  return cause;
+}
+
+void look_for_unnamed(const Problem& problem, SearchResult& result) {
+  const std::vector<Grown> grown = explanations_of(result);
+  result.unnamed = unnamed_beside(problem, grown, result.material);
+  if (result.unnamed) end_steps_at(result.unnamed->beside, grown[result.unnamed->beside], result);
+}
+
+bool look_for_formula(const Problem& problem, const Progress& progress, SearchResult& result) {
+  const std::vector<Grown> grown = explanations_of(result);
+  const Grown& last = grown.back();
+  const size_t of_mean = steps_of_mean(result);
+  if (result.verdict != "unexplained_structure" && last.assessment.error < kMisfit &&
+      of_mean == result.steps.size())
+    return false;
+  progress("building a formula from the residuals");
+  size_t beside = 0;
+  double most = 0;
+  for (const size_t place :
+       of_mean > 0 ? std::vector<size_t>{0, of_mean} : std::vector<size_t>{0}) {
+    auto found = suggest(problem, grown[place]);
+    if (!found) continue;
+    // Where something is left that is no noise, evidence is too sure.
+    const double misfit = std::max(1.0, found->error * found->error);
+    const double named = grown[place].assessment.total_ll - merit_of(problem, grown[place]);
+    const double lead = (found->log_evidence - named - merit_of(problem, last)) / misfit;
+    if (!explains_better(lead, found->error, last)) continue;
+    // Of equals the one with the fewest effects.
+    if (result.suggestion && lead < most + kTieWidth) continue;
+    result.suggestion = std::move(found), beside = place, most = lead;
+  }
+  if (!result.suggestion || beside == result.steps.size()) return false;
+  end_steps_at(beside, grown[beside], result);
+  // What smooth functions explain beside a step that is none says nothing of the cause.
+  if (result.unnamed) result.unnamed = unnamed_beside(problem, {result.best}, result.material);
+  return true;
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,24 @@
+// Causes without a name: smooth functions and formulas of what residuals may depend on compete with
+// the steps of a search, on one scale of log-evidence.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "measurement/search/search.h"
+
+namespace seam::measurement {
+
+// The best smooth functions beside one of these models, each of which grew from the one before.
+std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::vector<Grown>& grown,
+                                           double material);
+
+// Where smooth functions explain the set better beside some of the steps, the others imitate them:
+// they are steps no more.
+void look_for_unnamed(const Problem& problem, SearchResult& result);
+
+// The same for a formula: it is looked for where smooth functions were found, where the steps leave
+// more than noise, and instead of steps that are spreads. Returns whether steps went.
+bool look_for_formula(const Problem& problem, const Progress& progress, SearchResult& result);
+
+}  // namespace seam::measurement

@@ -1,0 +1,102 @@
+// Causes without a name against the steps of a search.
+#include "measurement/search/without_name.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "measurement/kinds/kinds.h"
+#include "measurement/problem/made_problem.h"
+#include "measurement/study/study.h"
+#include "sim_core/base/random.h"
+
+namespace seam::measurement {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+constexpr double kNoiseOfWave = 0.1;
+
+std::shared_ptr<const EffectDefinition> sized(const std::string& name) {
+  return made_effect(name, {{.name = "size", .min = -100, .max = 100, .scale = 1}});
+}
+
+// y = level + cube x^3, of data that are a wave.
+TEST(LookForUnnamed, AStepThatOnlyImitatesAWaveIsNoStep) {
+  struct Wave : MadeProblem {
+    Wave() : MadeProblem(evenly(-1, 1, 600), kNoiseOfWave, level_and_cube) {
+      deal_into(12);
+      facts_.covariates = {{.name = "x", .values = x()}};
+      std::vector<double> y;
+      for (size_t i = 0; i < x().size(); ++i)
+        y.push_back(0.2 * std::sin(5 * x()[i]) + kNoiseOfWave * normal({7, 2}, i));
+      take(std::move(y));
+    }
+    static double level_and_cube(const std::vector<double>& p, double at) {
+      return p[0] + (p.size() > 1 ? p[1] * at * at * at : 0);
+    }
+  };
+  const Wave problem;
+  Model level, cube;
+  level.set(sized("level"), {{.value = 0}});
+  cube = level;
+  cube.set(sized("cube"), {{.value = 0}});
+  SearchResult result{.material = kMaterial};
+  result.base = {.assessment = assess(problem, level, {{"level", 0}})};
+  result.best = {.added = {"cube"},
+                 .assessment = assess(problem, cube, {{"level", 0}, {"cube", 0}})};
+  ASSERT_LT(result.best.assessment.error, result.base.assessment.error);
+  result.steps = {{.effect = "cube", .after = result.best.assessment}};
+  look_for_unnamed(problem, result);
+  ASSERT_TRUE(result.unnamed);
+  EXPECT_EQ(result.unnamed->depends_on, std::vector<std::vector<std::string>>{{"x"}});
+  EXPECT_EQ(result.mimics, std::vector<std::string>{"cube"});
+  EXPECT_TRUE(result.steps.empty());
+  EXPECT_FALSE(result.best.assessment.model.has("cube"));
+}
+
+// What a search finds in a set of this kind with an effect that no catalogue has.
+SearchResult found_in(const std::string& kind, const std::string& name, const std::string& effect) {
+  const std::filesystem::path protocol = std::filesystem::path(testing::TempDir()) / name,
+                              out = protocol.string() + "-set";
+  const Model nominal = write_study_protocol(kind, protocol);
+  if (kind == "landmarks") write_landmark_walks(protocol, 60, 0);
+  const ConfigNode node = ConfigNode::from_text(effect, "truth");
+  const auto definition = effects::expression_effect("truth", node);
+  Model truth = nominal;
+  truth.set(definition, effects::expression_values(*definition, node));
+  std::filesystem::remove_all(out);
+  measure_set(truth, MeasurementSet::open(protocol), {.seed = 3, .out = out});
+  const auto problem = open_problem(out);
+  return search(*problem, nominal, {}, [](const std::string&) {});
+}
+
+// Its half periods are more than smooth functions have.
+TEST(LookForFormula, AFastWaveIsAFormula) {
+  const SearchResult result = found_in(
+      "joints", "formula-fast", "{stage: joint, q: 'q + k * sin(37 * t)', parameters: {k: 0.004}}");
+  ASSERT_TRUE(result.suggestion);
+  EXPECT_THAT(result.suggestion->formula, HasSubstr("sin(2 * pi * t / 0.169"));
+  EXPECT_NEAR(result.suggestion->error, 1, 0.1);
+  EXPECT_EQ(result.verdict, "unexplained_structure");
+  EXPECT_TRUE(result.steps.empty());
+}
+
+// An error that wanders takes a slow wave as well as it takes anything: it comes after the formula.
+TEST(LookForFormula, AWaveIsNoWander) {
+  const SearchResult result =
+      found_in("landmarks", "formula-slow",
+               "{stage: detector, range: 'range + k * sin(t)', bearing: bearing, "
+               "parameters: {k: 0.03}}");
+  ASSERT_TRUE(result.suggestion);
+  EXPECT_THAT(result.suggestion->formula, HasSubstr("range: 0.0"));
+  EXPECT_THAT(result.suggestion->formula, HasSubstr("sin(2 * pi * t / 6.2"));
+  EXPECT_THAT(result.mimics, Contains("range_wander"));
+  EXPECT_EQ(result.verdict, "unexplained_structure");
+  EXPECT_TRUE(result.steps.empty());
+}
+
+}  // namespace
+}  // namespace seam::measurement
