@@ -1,4 +1,4 @@
-// How surely the search finds an effect of a given size: its rules (search/judge.h), applied to
+// How surely the search finds an effect of a given size: its rules (judge/judge.h), applied to
 // what a fit gains when residuals are linear in the parameters and errors are normal.
 #pragma once
 
