@@ -66,7 +66,8 @@ std::string unnamed_text(const SearchResult& result) {
   for (const std::vector<std::string>& covariates : cause.depends_on)
     functions.push_back(fmt::format("{}", fmt::join(covariates, " and ")));
   return fmt::format(
-             "No known effect explains what depends on {} ({} x noise): {} the error from {:.3g} to "
+             "No known effect explains what depends on {} ({} x noise): {} the error from {:.3g} "
+             "to "
              "{:.3g}.",
              fmt::join(functions, ", and on "), two_digits(cause.noise_units),
              functions.size() == 1 ? "a smooth function lowers" : "smooth functions lower",
