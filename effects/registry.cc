@@ -11,6 +11,7 @@
 #define SEAM_EFFECTS(X)       \
   X(rolling_shutter)          \
   X(exposure)                 \
+  X(exposure_stamp)           \
   X(frame_latency)            \
   X(clock_drift)              \
   X(frame_jitter)             \
@@ -32,6 +33,7 @@
   X(encoder_eccentricity)     \
   X(encoder_scale)            \
   X(encoder_offset)           \
+  X(mount_sag)                \
   X(encoder_quantisation)     \
   X(joint_wander)             \
   X(backlash)                 \
@@ -81,6 +83,7 @@
   X(saturation)               \
   X(quantisation)             \
   X(ideal_detector)           \
+  X(landmark_height)          \
   X(range_depth)              \
   X(range_scale)              \
   X(range_offset)             \

@@ -145,6 +145,8 @@ PROOFS = [
     # Timing.
     ("rolling_shutter", [2e-4], [("stamp_s", 12.5), ("row", 71)], {"start_s": "stamp_s + p[0] * row"}),
     ("rolling_shutter", [-3e-4], [("stamp_s", 0), ("row", 100)], {"middle_s": "p[0] * row"}),
+    ("exposure_stamp", [0.5], [("stamp_s", 4), ("frame_exposure_s", 0.008)], {"start_s": "4.004"}),
+    ("exposure_stamp", [-0.5], [("stamp_s", 1), ("row", 30), ("frame_exposure_s", 0.02)], {"middle_s": "0.99"}),
     ("exposure", [0.005], [("stamp_s", 1)], {"start_s": "stamp_s", "middle_s": "stamp_s + p[0] / 2",
                                              "end_s": "stamp_s + p[0]"}),
     ("exposure", [0.02], [("stamp_s", 2), ("row", 10)], {"middle_s": "stamp_s + p[0] / 2"}),
@@ -199,6 +201,10 @@ PROOFS = [
     ("gravity_sag", [0.02, 0], BACK + [("at_s", 0.05)], {"joint_rad": "0.5 - p[0] * math.cos(0.5)"}),
     ("gravity_sag", [0.1, 0.3], BACK + [("at_s", 0.2)], {"joint_rad": "0.2 - p[0] * math.cos(0.2 - p[1])"}),
     # Joints: from an encoder's log.
+    ("mount_sag", [0.01, 0], [("logged_tilt_rad", 0.5), ("logged_pan_rad", 0.5), ("true_tilt_rad", -0.4)],
+     {"tilt_rad": "0.5 + p[0] * math.cos(0.5)", "pan_rad": "0.5",
+      "logged_tilt_rad": "root(lambda q: q + p[0] * math.cos(q) + 0.4, -1, 1)"}),
+    ("mount_sag", [-0.03, 0.7], [("logged_tilt_rad", -1)], {"tilt_rad": "-1 + p[0] * math.cos(-1 - p[1])"}),
     ("encoder_eccentricity", [0.01, 0.4], [("logged_pan_rad", 0.7), ("logged_tilt_rad", 0.7), ("true_pan_rad", 1.1)],
      {"pan_rad": "root(lambda q: q - 0.7 - p[0] * math.sin(q + p[1]), 0, 2)", "tilt_rad": "0.7",
       "logged_pan_rad": "1.1 - p[0] * math.sin(1.1 + p[1])"}),
@@ -368,6 +374,8 @@ PROOFS = [
     ("heading_wander", [0.1, 1], [("lag_s", 0.25)], {"heading_covariance_rad2": "p[0]**2 * math.exp(-lag_s / p[1])"}),
     ("landmark_scatter", [0.03], [("range_m", 2)], {"place_sigma_m": "p[0]", "range_m": "range_m"}),
     ("landmark_scatter", [0.2], [("range_m", 1)], {"place_sigma_m": "p[0]", "range_covariance_m2": "0"}),
+    ("landmark_height", [2.2], [("range_m", 3)], {"range_m": "math.sqrt(9 + p[0]**2)"}),
+    ("landmark_height", [-0.5], [("range_m", 2), ("above_m", 1.2)], {"range_m": "math.sqrt(4 - 1.44 + (1.2 + p[0])**2)"}),
     ("landmark_delay", [0.1], [("range_m", 2)], {"delay_sigma_m": "p[0]", "place_sigma_m": "0"}),
     ("landmark_delay", [0.3], [("range_m", 1), ("lag_s", 5)], {"delay_sigma_m": "p[0]", "range_covariance_m2": "0"}),
     ("landmark_bias", [0.03, 0.1], [("lag_s", 5)], {"range_covariance_m2": "p[0]**2", "bearing_covariance_rad2": "p[1]**2"}),

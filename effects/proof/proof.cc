@@ -67,7 +67,8 @@ Model model_around(const std::shared_ptr<const EffectDefinition>& effect) {
 Quantities timing_outcome(const Model& model, const Quantities& given) {
   const Timing timing = timing_of(model);
   const double stamp_s = value_of(given, "stamp_s"), row = value_of(given, "row");
-  const double taken_s = timing.in_lock(stamp_s, value_of(given, "cycle_s"));
+  const double taken_s = timing.in_lock(stamp_s, value_of(given, "cycle_s")) +
+                         timing.per_exposure * value_of(given, "frame_exposure_s");
   const double start_s = taken_s + timing.row_start_after_stamp_s(row, stamp_s);
   constexpr uint64_t kFrames = 20000;
   double square = 0;
@@ -184,7 +185,8 @@ Quantities sensor_outcome(const Model& model, const Quantities& given) {
 
 Quantities detector_outcome(const Model& model, const Quantities& given) {
   Detection seen{.range_m = value_of(given, "range_m"),
-                 .bearing_rad = value_of(given, "bearing_rad")};
+                 .bearing_rad = value_of(given, "bearing_rad"),
+                 .above_m = value_of(given, "above_m")};
   apply_detector(model, seen);
   const Noise noise = noise_of(model);
   const double lag_s = value_of(given, "lag_s");

@@ -2,7 +2,7 @@
 // needs, given what the example gives.
 //
 // Quantities by stage; what is not given has the default in brackets, series repeat a name:
-//   timing       stamp_s [0], row [0], cycle_s [0: the head repeats nothing]
+//   timing       stamp_s [0], row [0], cycle_s [0: the head repeats nothing], frame_exposure_s [0]
 //                -> start_s, middle_s, end_s of the row's exposure; own_latency_rms_s of many
 //                frames
 //   joint        start_rad [0], limit_radps [none], then command_s and command_rad in pairs, at_s
@@ -21,7 +21,8 @@
 //   sensor       light [0.5], exposure_s [0.01], exposure_ratio [1], channel [1: green], u_px, v_px
 //                -> mean_dn, variance_dn2 (in time), row_variance_dn2, pattern_mean_dn,
 //                pattern_variance_dn2, wave_dn; value_dn -> file_dn; with gain_dn 200, black_dn 8
-//   detector     range_m, bearing_rad -> range_m, bearing_rad, range_sigma_m, bearing_sigma_rad;
+//   detector     range_m, bearing_rad, above_m [0]
+//                -> range_m, bearing_rad, range_sigma_m, bearing_sigma_rad;
 //                lag_s [0] -> range_covariance_m2, bearing_covariance_rad2 of one landmark's
 //                errors, heading_covariance_rad2; tail_mean_m, tail_variance_m2; place_sigma_m,
 //                delay_sigma_m

@@ -16,6 +16,7 @@ struct Timing {
   double latency_s = 0;
   double drift_ppm = 0;
   double jitter_sigma_s = 0;   // A new latency for each frame.
+  double per_exposure = 0;     // Latency of a frame, in units of its own exposure.
   int sync_period_frames = 0;  // 0: frames follow the camera's own clock.
 
   // Start of a row's window, seconds after the frame's stamp; `since_reference_s` is the stamp

@@ -212,7 +212,14 @@ void Problem::leave_out(std::vector<char> outliers) {
 }
 
 bool Problem::acts(const EffectDefinition& effect) const {
-  return effects::acts_on(effect, facts_.set);
+  // A user's formula that names a column that is not there is an error, which its kind states.
+  const bool is_formula = !effect.source.empty();
+  const auto has = [&](const std::string& column) {
+    return std::any_of(facts_.covariates.begin(), facts_.covariates.end(),
+                       [&](const Covariate& covariate) { return covariate.name == column; });
+  };
+  return (is_formula || std::all_of(effect.columns.begin(), effect.columns.end(), has)) &&
+         effects::acts_on(effect, facts_.set);
 }
 
 std::string Problem::not_testable(const Model&, const EffectDefinition& effect,

@@ -42,6 +42,7 @@ class LandmarkPredictor {
     const double above = data_.heights ? data_.landmark_z[row] - pose.z_m - X_LC_.p.z : 0;
     effects::Detection seen{.range_m = std::hypot(std::hypot(ahead, left), above),
                             .bearing_rad = maths::wrap_angle(std::atan2(left, ahead) - yaw_rad_),
+                            .above_m = above,
                             .t_s = t};
     for (const effects::ModelEffect& effect : detectors_)
       effect.definition->detector(effect.values(), seen);

@@ -94,8 +94,7 @@ std::vector<double> rounding_errors(const PointsData& data, const PointsPredicto
   std::vector<double> errors(data.rig.joint_names().size(), 0);
   if (!(step_rad > 0)) return errors;
   const auto& log = data.rig.log_times();
-  const double t =
-      predictor.instant(data.stamp_s[row], 0.5 * data.camera.height_px, data.camera_of_row[row]);
+  const double t = predictor.instant(row, 0.5 * data.camera.height_px);
   const size_t node =
       std::min<size_t>(std::upper_bound(log.begin(), log.end(), t) - log.begin(), log.size() - 1);
   for (size_t j = 0; j < errors.size(); ++j)
@@ -135,7 +134,7 @@ void measure_points(const Model& truth, const MeasurementSet& protocol,
     const int height_px = data.cameras[static_cast<size_t>(data.camera_of_row[row])].height_px;
     // The row at which it is seen says how far it has come, and that where it is seen.
     for (int round = 0; round < 4 && drawn.has_motion() && point.visible; ++round) {
-      const Pose X_WR = predictor.motion().X_WC(predictor.instant(data.stamp_s[row], point.v));
+      const Pose X_WR = predictor.motion().X_WC(predictor.instant(row, point.v));
       const Vec3 way_R = drawn.carried(row, X_WR.inverse() * p_W);
       point = seen_at(p_W + X_WR.R * ((point.v / height_px - 0.5) * way_R));
     }

@@ -24,14 +24,14 @@ effects::ImagePoint PointsPredictor::image_at(size_t row, const Vec3& p_W, doubl
   const auto& [timing, motion, projection] = eyes_[static_cast<size_t>(camera)];
   double v = data_.v_px[row];
   if (timing.line_delay_s == 0) {
-    const double t = instant(data_.stamp_s[row], v, camera) + late_s;
+    const double t = instant(row, v) + late_s;
     return projection.project(motion.to_camera(t, p_W, joint_errors), t, v);
   }
   effects::ImagePoint point;
   constexpr double kSettled_px = 1e-3;
   double previous_v = v, previous_f = 0, f = 0;
   for (int step = 0; step < 30; ++step) {
-    const double t = instant(data_.stamp_s[row], v, camera) + late_s;
+    const double t = instant(row, v) + late_s;
     point = projection.project(motion.to_camera(t, p_W, joint_errors), t, v);
     if (!point.visible) return point;
     // The row at which the point is seen is the fixed point of v -> image row; secant steps.

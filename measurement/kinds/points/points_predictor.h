@@ -27,11 +27,13 @@ class PointsPredictor {
     }
   }
 
-  // Seconds since the reference at which the frame's row is seen, by this camera.
-  double instant(double stamp_s, double row, int camera = 0) const {
-    const effects::Timing& timing = eyes_[static_cast<size_t>(camera)].timing;
+  // Seconds since the reference at which the image row `v` of a row's frame is seen.
+  double instant(size_t row, double v) const {
+    const effects::Timing& timing = eyes_[static_cast<size_t>(data_.camera_of_row[row])].timing;
+    const double stamp_s = data_.stamp_s[row];
+    const double exposure_s = data_.exposure_s.empty() ? 0 : data_.exposure_s[row];
     return timing.in_lock(stamp_s, data_.rig.cycle_s()) +
-           timing.row_middle_after_stamp_s(row, stamp_s);
+           timing.row_middle_after_stamp_s(v, stamp_s) + timing.per_exposure * exposure_s;
   }
 
   // `late_s` and `joint_errors` are small changes for derivatives.

@@ -66,7 +66,7 @@ PointsProblem::Slopes PointsProblem::slopes_of(const PointsPredictor& predictor,
   for (size_t row = 0; row < data_.p_W.size(); ++row) {
     if (!groups[facts_.group_of_row[row]]) continue;
     const effects::ImagePoint here = predictor.image(row);
-    slopes.instant_s[row] = predictor.instant(data_.stamp_s[row], here.v, data_.camera_of_row[row]);
+    slopes.instant_s[row] = predictor.instant(row, here.v);
     for (size_t cause = 0; cause < 1 + joints; ++cause) {
       std::vector<double> errors(joints, 0);
       const double by = cause == 0 ? 1e-5 : 1e-6;

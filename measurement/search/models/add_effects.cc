@@ -25,8 +25,11 @@ effects::HistoryStep history_step(const Problem& problem, const AddResult& resul
 void check_place(const Problem& problem, const effects::EffectDefinition& effect,
                  const Model& model) {
   if (!problem.acts(effect)) {
-    throw InputError(fmt::format("effect '{}' does not act on measurements of kind {}", effect.name,
-                                 problem.facts().kind()));
+    const std::string reads = effect.columns.empty() ? ""
+                                                     : fmt::format(" without the column {}",
+                                                                   fmt::join(effect.columns, ", "));
+    throw InputError(fmt::format("effect '{}' does not act on measurements of kind {}{}",
+                                 effect.name, problem.facts().kind(), reads));
   }
   if (const std::string base = effects::missing_base(effect, model); !base.empty()) {
     throw InputError(

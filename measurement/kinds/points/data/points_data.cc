@@ -143,6 +143,17 @@ void read_spread(const CsvTable& table, PointsData& data) {
   }
 }
 
+void read_exposures(const CsvTable& table, PointsData& data) {
+  if (!table.has("exposure_s")) return;
+  constexpr double kLongest_s = 3600;
+  data.exposure_s = table.numbers("exposure_s");
+  for (size_t row = 0; row < table.rows(); ++row) {
+    if (!(data.exposure_s[row] >= 0 && data.exposure_s[row] <= kLongest_s))
+      table.fail(row, "exposure_s", table.cell(row, "exposure_s"),
+                 "how long the frame was exposed, seconds");
+  }
+}
+
 // Cameras on one rig, in the order in which the table names them.
 void read_cameras(const CsvTable& table, PointsData& data) {
   std::vector<std::string> names = {""};
@@ -190,6 +201,7 @@ PointsData read_points(const MeasurementSet& set, Rig rig, bool measured, Facts&
   data.frame_of_row = number_groups(table.texts("frame"), data.frames);
   data.rows_of_frame.resize(data.frames.size());
   read_cameras(table, data);
+  read_exposures(table, data);
   facts.group_of_row = number_groups(table.texts(set.group), facts.groups);
   std::vector<int> group_of_frame(data.frames.size(), -1);
   for (size_t row = 0; row < table.rows(); ++row) {

@@ -17,8 +17,9 @@ struct PointsData {
   CameraFacts camera;
   std::vector<CameraView> cameras;  // One, without a name, where the table has no such column.
   std::vector<int> camera_of_row;
-  std::vector<double> stamp_s;  // By row, since the reference.
-  std::vector<Vec3> p_W;        // By the set's plan.
+  std::vector<double> stamp_s;     // By row, since the reference.
+  std::vector<double> exposure_s;  // By row, of its frame. Empty: the table has none.
+  std::vector<Vec3> p_W;           // By the set's plan.
   Target target;
   std::vector<int> point_of_row;
   std::vector<double> u_px, v_px;  // Observed; zero in a protocol without measured columns.
