@@ -23,6 +23,11 @@ constexpr int kParts = 4;
 constexpr int kMostFunctions = 3;
 constexpr double kLeastGain = 4.6;
 
+// A function that depends on something says more than noise of unknown cause, and takes its place
+// where it takes what that takes. Of a large cause its one linear step falls this share short of a
+// fit.
+constexpr double kStepFallsShort = 0.05;
+
 // One explanation's residuals, without what its own parameters can still take of them.
 class Residuals {
  public:
@@ -183,8 +188,9 @@ std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
     if (!cause || cause->noise_units < material) continue;
     // Where something is left that is no noise, evidence is too sure.
     const double misfit = std::max(1.0, cause->error_after * cause->error_after);
+    const double short_by = explanations[e].noise_follows ? kStepFallsShort * cause->lead : 0;
     cause->beside = e;
-    cause->lead = (cause->lead + ahead) / misfit;
+    cause->lead = (cause->lead + short_by + ahead) / misfit;
     // Of equals the one with the fewest effects: beside a cause without a name small ones with
     // names are not to be trusted.
     if (cause->lead > 0 && (!best || cause->lead > best->lead + kLeastGain))

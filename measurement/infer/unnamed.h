@@ -15,6 +15,8 @@ namespace seam::measurement {
 struct Explanation {
   const Assessment* assessment = nullptr;
   double log_evidence = 0;
+  // What the last explanation has beside it is noise of unknown cause, which names nothing.
+  bool noise_follows = false;
 };
 
 struct UnnamedCause {

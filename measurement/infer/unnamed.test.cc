@@ -12,12 +12,13 @@ namespace {
 
 constexpr double kNoise = 0.5, kMaterialShare = 0.1;
 
-// y = level + slope x + bend(x) + noise; the bend has no name.
+// y = level + bend(x) + noise; the bend has no name.
 class Bent : public MadeProblem {
  public:
   explicit Bent(double bend, uint64_t seed = 1)
       : MadeProblem(evenly(-1, 1, 600), kNoise, [](const std::vector<double>& p, double x) {
-          return p[0] + (p.size() > 1 ? p[1] * x * x * x : 0);
+          return p[0] + (p.size() > 1 ? p[1] * x * x * x : 0) +
+                 (p.size() > 2 ? p[2] * std::cos(5 * x) : 0);
         }) {
     deal_into(12);
     facts_.covariates = {{.name = "x", .values = x()}, {.name = "other", .values = other()}};
@@ -34,6 +35,12 @@ class Bent : public MadeProblem {
   static Model with_cube() {
     Model model = level();
     model.set(made_effect("cube", {{.name = "size", .min = -9, .max = 9}}), {{.value = 0}});
+    return model;
+  }
+  // With the bend itself, in the place of a noise that takes all that is left.
+  static Model with_all() {
+    Model model = with_cube();
+    model.set(made_effect("wave", {{.name = "size", .min = -9, .max = 9}}), {{.value = 0}});
     return model;
   }
   Assessment fitted(const Model& model) const {
@@ -80,6 +87,19 @@ TEST(Unnamed, AnEffectThatOnlyImitatesItLoses) {
   ASSERT_TRUE(cause);
   EXPECT_EQ(cause->beside, 0u);
   EXPECT_GT(cause->lead, 50);
+}
+
+// Noise of unknown cause that is little ahead, by the step's falling short of a fit, names nothing.
+TEST(Unnamed, AFunctionTakesThePlaceOfNoiseThatTakesWhatItTakes) {
+  const Bent problem(0.5);
+  const Assessment given = problem.fitted(Bent::level()), all = problem.fitted(Bent::with_all());
+  const auto gain = unnamed_cause(problem, {{&given, 0}}, kMaterialShare)->lead;
+  const auto beside_noise = [&](double share, bool is_noise) {
+    return unnamed_cause(problem, {{&given, 0, is_noise}, {&all, share * gain}}, kMaterialShare);
+  };
+  EXPECT_TRUE(beside_noise(1.02, true));
+  EXPECT_FALSE(beside_noise(1.02, false));
+  EXPECT_FALSE(beside_noise(1.2, true));
 }
 
 TEST(Unnamed, NoiseAloneHasNoCause) {

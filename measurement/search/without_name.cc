@@ -46,12 +46,23 @@ size_t steps_of_mean(const SearchResult& result) {
   return static_cast<size_t>(spread - result.steps.begin());
 }
 
+// Whether all that the model has more than an earlier one is noise of unknown cause.
+bool adds_noise_alone(const Grown& earlier, const Grown& last) {
+  return std::all_of(last.added.begin(), last.added.end(), [&](const std::string& name) {
+    const effects::ModelEffect* effect = last.assessment.model.find(name);
+    return earlier.assessment.model.has(name) ||
+           (effect != nullptr && effect->definition->unknown_cause);
+  });
+}
+
 }  // namespace
 
 std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::vector<Grown>& grown,
                                            double material) {
   std::vector<Explanation> explanations;
-  for (const Grown& g : grown) explanations.push_back({&g.assessment, merit_of(problem, g)});
+  for (const Grown& g : grown)
+    explanations.push_back(
+        {&g.assessment, merit_of(problem, g), adds_noise_alone(g, grown.back())});
   auto cause = unnamed_cause(problem, explanations, material);
   if (cause && !explains_better(cause->lead, cause->error_after, grown.back())) cause.reset();
   return cause;

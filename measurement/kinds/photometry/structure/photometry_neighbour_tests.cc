@@ -1,0 +1,141 @@
+#include "measurement/kinds/photometry/structure/photometry_neighbour_tests.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "measurement/numerics/robust.h"
+#include "measurement/problem/neighbour.h"
+
+namespace seam::measurement {
+namespace {
+
+// Single samples further out than this count as if they stood here: one hot pixel says nothing of
+// its neighbours.
+constexpr double kFarthest = 4;
+// Of single frames so many show a correlation of 0.002, far below one that matters.
+constexpr double kMostValues = 1e6;
+
+// Sums over pairs of neighbours, in rows and in columns.
+struct Pairs {
+  double products[2] = {0, 0};
+  double count[2] = {0, 0};
+  double squares = 0, samples = 0;
+};
+
+// Takes the means of rows and of columns, which have tests of their own, out of each channel.
+void centre(const PhotometryData& data, std::vector<double>& values) {
+  const size_t width = data.width_px, channels = data.channels;
+  for (const bool of_rows : {true, false}) {
+    std::vector<double> mean((of_rows ? static_cast<size_t>(data.height_px) : width) * channels, 0);
+    const auto line_of = [&](size_t i) {
+      const size_t pixel = i / channels;
+      return (of_rows ? pixel / width : pixel % width) * channels + i % channels;
+    };
+    const double length = of_rows ? data.width_px : data.height_px;
+    for (size_t i = 0; i < values.size(); ++i) mean[line_of(i)] += values[i] / length;
+    for (size_t i = 0; i < values.size(); ++i) values[i] -= mean[line_of(i)];
+  }
+}
+
+void clip(std::vector<double>& values) {
+  std::vector<double> sizes = values;
+  const double most = kFarthest * robust_sigma(std::move(sizes));
+  for (double& value : values) value = std::clamp(value, -most, most);
+}
+
+void add_pairs(const PhotometryData& data, const std::vector<double>& values, Pairs& pairs) {
+  const size_t channels = data.channels, width = data.width_px * channels;
+  size_t i = 0;
+  for (int v = 0; v < data.height_px; ++v) {
+    for (int u = 0; u < data.width_px; ++u) {
+      // Of large images not all columns and rows are kept.
+      const bool right = u + 1 < data.width_px && data.column(u + 1) == data.column(u) + 1;
+      const bool below = v + 1 < data.height_px && data.row(v + 1) == data.row(v) + 1;
+      for (size_t c = 0; c < channels; ++c, ++i) {
+        pairs.squares += values[i] * values[i], ++pairs.samples;
+        if (right) pairs.products[0] += values[i] * values[i + channels], ++pairs.count[0];
+        if (below) pairs.products[1] += values[i] * values[i + width], ++pairs.count[1];
+      }
+    }
+  }
+}
+
+// Of independent samples the correlation of n pairs scatters by 1 / sqrt(n), about what taking the
+// mean out of a line has left.
+StructureTest test_of(const PhotometryData& data, const std::string& covariate, const Pairs& pairs,
+                      double variance) {
+  StructureTest test;
+  const int length[2] = {data.width_px, data.height_px};
+  double alike = 0;
+  for (int way = 0; way < 2; ++way) {
+    if (pairs.count[way] == 0 || !(pairs.squares > 0)) continue;
+    const double correlation =
+        pairs.products[way] / pairs.count[way] * pairs.samples / pairs.squares + 1.0 / length[way];
+    test.chi2 += pairs.count[way] * correlation * correlation;
+    ++test.freedom;
+    alike += correlation;
+  }
+  if (test.freedom == 0) return test;
+  test.structure = {.residual = "dn",
+                    .moment = "mean",
+                    .covariate = covariate,
+                    .strength = std::sqrt(std::abs(alike) / test.freedom * variance)};
+  return test;
+}
+
+// What stays over the frames, all levels of light together.
+StructureTest of_means(const PhotometryView& view, const PhotometryPrediction& prediction) {
+  std::vector<double> together(view.data.samples(), 0);
+  double variance = 0, levels = 0;
+  for (size_t l = 0; l < view.sums.levels.size(); ++l) {
+    if (view.sums.levels[l].frames.empty()) continue;
+    std::vector<double> left(together.size());
+    for (size_t i = 0; i < left.size(); ++i)
+      left[i] = view.sums.levels[l].mean[i] - prediction.levels[l].mean[i];
+    centre(view.data, left);
+    const double size = robust_sigma(left);
+    if (!(size > 0)) continue;
+    for (size_t i = 0; i < left.size(); ++i) together[i] += left[i] / size;
+    variance += size * size, ++levels;
+  }
+  if (levels == 0) return {};
+  clip(together);
+  Pairs pairs;
+  add_pairs(view.data, together, pairs);
+  return test_of(view.data, kPixelNeighbour, pairs, variance / levels);
+}
+
+// What changes from frame to frame.
+StructureTest of_frames(const PhotometryView& view) {
+  Pairs pairs;
+  const auto values = static_cast<double>(view.sums.values);
+  const auto every = static_cast<size_t>(std::max(1.0, std::round(values / kMostValues)));
+  double variance = 0, frames = 0;
+  for (const LevelSums& level : view.sums.levels) {
+    if (level.frames.size() < 2) continue;
+    for (size_t f = 0; f < level.frames.size(); f += every) {
+      const auto& image = view.data.images[static_cast<size_t>(level.frames[f])];
+      std::vector<double> left(image.size());
+      for (size_t i = 0; i < left.size(); ++i) left[i] = image[i] - level.mean[i];
+      centre(view.data, left);
+      const double size = robust_sigma(left);
+      if (!(size > 0)) continue;
+      for (double& value : left) value /= size;
+      clip(left);
+      add_pairs(view.data, left, pairs);
+      variance += size * size, ++frames;
+    }
+  }
+  if (frames == 0) return {};
+  return test_of(view.data, kPixelNeighbour + std::string("*time"), pairs, variance / frames);
+}
+
+}  // namespace
+
+std::vector<StructureTest> neighbour_tests(const PhotometryView& view,
+                                           const PhotometryPrediction& prediction) {
+  return {of_means(view, prediction), of_frames(view)};
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,16 @@
+// Whether neighbouring pixels are alike in what a model leaves, as it should be of none: in the
+// means over the frames (dust, what leaks from pixel to pixel), or in the noise of single frames (a
+// filter in the camera, colours from a mosaic).
+#pragma once
+
+#include <vector>
+
+#include "measurement/kinds/photometry/likelihood/stack_view.h"
+#include "measurement/kinds/photometry/structure/photometry_chi2.h"
+
+namespace seam::measurement {
+
+std::vector<StructureTest> neighbour_tests(const PhotometryView& view,
+                                           const PhotometryPrediction& prediction);
+
+}  // namespace seam::measurement
