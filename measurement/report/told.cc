@@ -136,6 +136,11 @@ std::string told_structure(const Facts& facts, const Structure& structure) {
   const std::string subject = structure.moment + " of " + structure.residual;
   if (structure.covariate == kConstant) return subject + " is not 0";
   if (structure.covariate == kNeighbour) return structure.residual + " is correlated in time";
+  if (structure.covariate.starts_with(kPixelNeighbour)) {
+    const bool stays = structure.covariate == kPixelNeighbour;
+    return fmt::format("{} of {} is alike in neighbouring pixels", stays ? "mean" : "noise",
+                       structure.residual);
+  }
   if (is_label(facts, structure.covariate))
     return fmt::format("{0} differs from {1} to {1}", subject, structure.covariate);
   return subject + " varies with " + words_of_covariate(structure.covariate);
@@ -165,7 +170,8 @@ std::string what_to_vary(const Facts& facts, const std::string& covariate) {
   const std::string sign = "sign(";
   std::vector<std::string> names;
   for (std::string name : factors_of(covariate)) {
-    if (name == kConstant || name == kNeighbour || is_label(facts, name)) return "";
+    if (name == kConstant || name == kNeighbour || name == kPixelNeighbour || is_label(facts, name))
+      return "";
     if (name.starts_with(sign)) name = name.substr(sign.size(), name.size() - sign.size() - 1);
     names.push_back(name);
   }

@@ -1,6 +1,6 @@
 #include "measurement/kinds/photometry/photometry_smooth.h"
 
-#include "measurement/kinds/photometry/photometry_mean_tests.h"
+#include "measurement/kinds/photometry/structure/photometry_mean_tests.h"
 #include "measurement/numerics/legendre.h"
 #include "measurement/numerics/linear_algebra.h"
 

@@ -5,19 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "measurement/kinds/photometry/likelihood/photometry_cells.h"
-#include "measurement/kinds/photometry/likelihood/photometry_likelihood.h"
+#include "measurement/kinds/photometry/likelihood/stack_view.h"
 
 namespace seam::measurement {
-
-struct PhotometryView {
-  const PhotometryData& data;
-  const PhotometrySums& sums;
-  double set_noise_dn = 0;
-  bool channels_share = true;
-  const CellStore* cells = nullptr;  // Nothing: every sample is evaluated.
-  const Model* near = nullptr;       // As in CellStore.
-};
 
 double log_likelihood(const PhotometryView& view, const Model& model);
 

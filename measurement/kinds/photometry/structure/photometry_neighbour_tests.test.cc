@@ -1,0 +1,91 @@
+// Likeness of neighbours against independent samples, a filter of known correlation, and dust.
+#include "measurement/kinds/photometry/structure/photometry_neighbour_tests.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace seam::measurement {
+namespace {
+
+constexpr int kWidth = 60, kHeight = 50, kFrames = 6;
+constexpr double kNoise = 5, kPattern = 2;
+
+using Field = std::vector<double>;
+
+Field normal_field(std::mt19937& random, double size) {
+  std::normal_distribution<double> gauss(0, size);
+  Field field(kWidth * kHeight);
+  for (double& value : field) value = gauss(random);
+  return field;
+}
+
+// Along rows, by weights 1, 2, 1: neighbours in a row correlate by 4 / 6, those in a column not.
+Field filtered(const Field& field) {
+  Field out = field;
+  for (size_t i = 1; i + 1 < field.size(); ++i)
+    out[i] = 0.25 * (field[i - 1] + 2 * field[i] + field[i + 1]);
+  return out;
+}
+
+std::vector<StructureTest> tests_of(unsigned seed, bool filter, double dust) {
+  std::mt19937 random(seed);
+  PhotometryData data{.width_px = kWidth, .height_px = kHeight};
+  data.levels.resize(2);
+  const Field pattern = normal_field(random, kPattern);
+  for (int frame = 0; frame < 2 * kFrames; ++frame) {
+    const int level = frame / kFrames;
+    data.frames.push_back({level, 0.04 * frame});
+    data.levels[static_cast<size_t>(level)].frames.push_back(frame);
+    Field noise = normal_field(random, kNoise);
+    if (filter) noise = filtered(noise);
+    auto& image = data.images.emplace_back();
+    for (int i = 0; i < kWidth * kHeight; ++i) {
+      const bool dusty = std::abs(std::hypot(i % kWidth - 30, i / kWidth - 25) - 12) < 2;
+      const double value = 100 + 50 * level + pattern[static_cast<size_t>(i)] +
+                           noise[static_cast<size_t>(i)] - (dusty ? dust : 0);
+      image.push_back(static_cast<uint16_t>(std::lround(value)));
+    }
+  }
+  sum_rows(data);
+  std::vector<int> group(data.frames.size(), 0);
+  const PhotometrySums sums = sum_frames(data, Groups{1}, group);
+  PhotometryPrediction prediction;
+  for (int level = 0; level < 2; ++level)
+    prediction.levels.push_back({.mean = Field(kWidth * kHeight, 100 + 50 * level)});
+  return neighbour_tests({data, sums}, prediction);
+}
+
+TEST(NeighbourTests, OfIndependentSamplesTheyAreChiSquares) {
+  constexpr int kSets = 60;
+  double chi2[2] = {0, 0};
+  for (unsigned seed = 1; seed <= kSets; ++seed) {
+    const auto tests = tests_of(seed, false, 0);
+    ASSERT_EQ(tests.size(), 2u);
+    for (size_t k = 0; k < 2; ++k) {
+      EXPECT_EQ(tests[k].freedom, 2);
+      chi2[k] += tests[k].chi2 / kSets;
+    }
+  }
+  // The mean of 60 chi-squares of two degrees of freedom scatters by 0.26.
+  for (const double mean : chi2) EXPECT_NEAR(mean, 2, 0.8);
+}
+
+TEST(NeighbourTests, AFilterInTheCameraIsInTheNoiseAlone) {
+  const auto tests = tests_of(1, true, 0);
+  EXPECT_GT(tests[1].chi2, 1000);
+  // Of the filter's variance, 6 / 16 of the noise's, half of 4 / 6 is alike in a neighbour.
+  EXPECT_NEAR(tests[1].structure.strength, kNoise * std::sqrt(6.0 / 16 * 4 / 6 / 2), 0.1);
+  EXPECT_EQ(tests[1].structure.covariate, "neighbouring_pixel*time");
+}
+
+TEST(NeighbourTests, DustIsInTheMeansAlone) {
+  const auto tests = tests_of(1, false, 4);
+  EXPECT_GT(tests[0].chi2, 200);
+  EXPECT_LT(tests[1].chi2, 14);
+  EXPECT_EQ(tests[0].structure.covariate, "neighbouring_pixel");
+}
+
+}  // namespace
+}  // namespace seam::measurement
