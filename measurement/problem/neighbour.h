@@ -1,5 +1,5 @@
-// What tests of structure call the residual before, in time, of the same series, and the residual of
-// the next pixel of the same image.
+// What tests of structure call the residual before, in time, of the same series, and that of the
+// next pixel of the same image.
 #pragma once
 
 namespace seam::measurement {

@@ -46,13 +46,14 @@ size_t steps_of_mean(const SearchResult& result) {
   return static_cast<size_t>(spread - result.steps.begin());
 }
 
-// Whether all that the model has more than an earlier one is noise of unknown cause.
+// Whether the model has more than an earlier one, and all of that is noise of unknown cause.
 bool adds_noise_alone(const Grown& earlier, const Grown& last) {
-  return std::all_of(last.added.begin(), last.added.end(), [&](const std::string& name) {
-    const effects::ModelEffect* effect = last.assessment.model.find(name);
-    return earlier.assessment.model.has(name) ||
-           (effect != nullptr && effect->definition->unknown_cause);
-  });
+  return earlier.added.size() < last.added.size() &&
+         std::all_of(last.added.begin(), last.added.end(), [&](const std::string& name) {
+           const effects::ModelEffect* effect = last.assessment.model.find(name);
+           return earlier.assessment.model.has(name) ||
+                  (effect != nullptr && effect->definition->unknown_cause);
+         });
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 #include "effects/stages/timing.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/kinds/photometry/photometry_problem.h"
-#include "measurement/kinds/photometry/structure/photometry_structure.h"
 #include "measurement/kinds/photometry/stack/emva.h"
+#include "measurement/kinds/photometry/structure/photometry_structure.h"
 #include "measurement/numerics/maximise.h"
 #include "sim_core/base/error.h"
 

@@ -23,8 +23,16 @@ struct Pairs {
   double squares = 0, samples = 0;
 };
 
-// Takes the means of rows and of columns, which have tests of their own, out of each channel.
+void clip(std::vector<double>& values) {
+  std::vector<double> sizes = values;
+  const double most = kFarthest * robust_sigma(std::move(sizes));
+  for (double& value : values) value = std::clamp(value, -most, most);
+}
+
+// Takes the means of rows and of columns, which have tests of their own, out of each channel: those
+// that one hot pixel does not move.
 void centre(const PhotometryData& data, std::vector<double>& values) {
+  clip(values);
   const size_t width = data.width_px, channels = data.channels;
   for (const bool of_rows : {true, false}) {
     std::vector<double> mean((of_rows ? static_cast<size_t>(data.height_px) : width) * channels, 0);
@@ -36,12 +44,6 @@ void centre(const PhotometryData& data, std::vector<double>& values) {
     for (size_t i = 0; i < values.size(); ++i) mean[line_of(i)] += values[i] / length;
     for (size_t i = 0; i < values.size(); ++i) values[i] -= mean[line_of(i)];
   }
-}
-
-void clip(std::vector<double>& values) {
-  std::vector<double> sizes = values;
-  const double most = kFarthest * robust_sigma(std::move(sizes));
-  for (double& value : values) value = std::clamp(value, -most, most);
 }
 
 void add_pairs(const PhotometryData& data, const std::vector<double>& values, Pairs& pairs) {
@@ -62,9 +64,10 @@ void add_pairs(const PhotometryData& data, const std::vector<double>& values, Pa
 }
 
 // Of independent samples the correlation of n pairs scatters by 1 / sqrt(n), about what taking the
-// mean out of a line has left.
+// mean out of a line has left. `independent`: the share of the samples that are, beside their own
+// means.
 StructureTest test_of(const PhotometryData& data, const std::string& covariate, const Pairs& pairs,
-                      double variance) {
+                      double variance, double independent) {
   StructureTest test;
   const int length[2] = {data.width_px, data.height_px};
   double alike = 0;
@@ -72,7 +75,7 @@ StructureTest test_of(const PhotometryData& data, const std::string& covariate, 
     if (pairs.count[way] == 0 || !(pairs.squares > 0)) continue;
     const double correlation =
         pairs.products[way] / pairs.count[way] * pairs.samples / pairs.squares + 1.0 / length[way];
-    test.chi2 += pairs.count[way] * correlation * correlation;
+    test.chi2 += independent * pairs.count[way] * correlation * correlation;
     ++test.freedom;
     alike += correlation;
   }
@@ -100,10 +103,9 @@ StructureTest of_means(const PhotometryView& view, const PhotometryPrediction& p
     variance += size * size, ++levels;
   }
   if (levels == 0) return {};
-  clip(together);
   Pairs pairs;
   add_pairs(view.data, together, pairs);
-  return test_of(view.data, kPixelNeighbour, pairs, variance / levels);
+  return test_of(view.data, kPixelNeighbour, pairs, variance / levels, 1);
 }
 
 // What changes from frame to frame.
@@ -111,9 +113,10 @@ StructureTest of_frames(const PhotometryView& view) {
   Pairs pairs;
   const auto values = static_cast<double>(view.sums.values);
   const auto every = static_cast<size_t>(std::max(1.0, std::round(values / kMostValues)));
-  double variance = 0, frames = 0;
+  double variance = 0, frames = 0, independent = 0;
   for (const LevelSums& level : view.sums.levels) {
     if (level.frames.size() < 2) continue;
+    const double share = 1 - 1 / static_cast<double>(level.frames.size());
     for (size_t f = 0; f < level.frames.size(); f += every) {
       const auto& image = view.data.images[static_cast<size_t>(level.frames[f])];
       std::vector<double> left(image.size());
@@ -122,13 +125,13 @@ StructureTest of_frames(const PhotometryView& view) {
       const double size = robust_sigma(left);
       if (!(size > 0)) continue;
       for (double& value : left) value /= size;
-      clip(left);
       add_pairs(view.data, left, pairs);
-      variance += size * size, ++frames;
+      variance += size * size / share, independent += share, ++frames;
     }
   }
   if (frames == 0) return {};
-  return test_of(view.data, kPixelNeighbour + std::string("*time"), pairs, variance / frames);
+  return test_of(view.data, kPixelNeighbour + std::string("*time"), pairs, variance / frames,
+                 independent / frames);
 }
 
 }  // namespace
