@@ -107,7 +107,7 @@ def main():
                          f"{step_s / worlds / turn_s:.1f}", f"{worlds / wall_s:,.0f}"])
         rows.append(["a reset", f"{1e3 * reset_of(file):.0f} ms", "", "", "", ""])
     columns = ["What", "Processor time a step", f"Steps/s on {CORES} cores", f"Frames/s on {CORES} cores",
-               "Ratio to a turn of `seam run` with a C++ behaviour", "Steps/s on the wall, beside other work"]
+               "Ratio to a turn of `seam run` with a C++ behaviour", "Steps/s on the wall"]
     for row in (columns, *rows):
         print(" | ".join(row))
     if given.csv:

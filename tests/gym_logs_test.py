@@ -77,7 +77,7 @@ class Pages(Gym):
 
     def test_the_example_runs(self):
         example = re.search(r"```python\n(import seam_gym\n.*?)```", (SOURCE / "docs/learn.md").read_text(), re.S)[1]
-        self.run_by_python("-c", example.replace('"scenario.yaml"', '"one.yaml"'))
+        self.run_by_python("-c", example.replace('"docs/learn/ball.yaml"', '"one.yaml"'))
 
     def test_the_recipe_plays_and_writes_its_curve(self):
         said = self.run_by_python(SOURCE / "docs/learn/learn.py", "--episodes", "2", "--out", "curve.csv")

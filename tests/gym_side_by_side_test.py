@@ -38,7 +38,8 @@ class SideBySide(Gym):
         worlds = self.env(kind=seam_gym.VectorEnv, num_envs=2)
         with self.assertRaisesRegex(ValueError, "seed: expected one, or one for each of 2 worlds, found 1"):
             worlds.reset(seed=[3])
-        worlds.reset(seed=[3, None])
+        worlds.reset(seed=[np.int64(3), None])
+        worlds.reset(seed=np.uint32(3))
         for count in (1, 3):
             with self.assertRaisesRegex(ValueError, f"actions: expected 2, one for each world, found {count}"):
                 worlds.step(np.stack([wave(0)] * count))

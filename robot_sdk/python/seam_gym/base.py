@@ -79,7 +79,7 @@ except ImportError:
 
 def world_seed(random: np.random.Generator, seed: int | None) -> int:
     """The seed of an episode: the one that was given, else the next of this source."""
-    return int(random.integers(1 << 31)) if seed is None else seed
+    return int(random.integers(1 << 31) if seed is None else seed)
 
 
 def changes_of(options: dict[str, Any] | None) -> dict[str, Any]:

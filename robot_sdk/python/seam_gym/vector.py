@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import concurrent.futures
+import numbers
 import os
 from collections.abc import Sequence
 from typing import Any
@@ -43,8 +44,9 @@ class VectorEnv(VectorBase):
     def reset(self, *, seed: int | Sequence[int | None] | None = None,
               options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Begins an episode in each world. One seed stands for seed, seed + 1, ...; options as of Env."""
-        super().reset(seed=seed if isinstance(seed, int) else None)
-        seeds = [None] * self.num_envs if seed is None else [seed + i for i in range(self.num_envs)] if isinstance(seed, int) else seed
+        one = int(seed) if isinstance(seed, numbers.Integral) else None
+        super().reset(seed=one)
+        seeds = [one + i for i in range(self.num_envs)] if one is not None else [None] * self.num_envs if seed is None else seed
         if len(seeds) != self.num_envs:
             raise ValueError(f"seed: expected one, or one for each of {self.num_envs} worlds, found {len(seeds)}")
         self._ended[:] = False
