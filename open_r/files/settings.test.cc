@@ -48,6 +48,12 @@ TEST(StickSettings, FaultsNameTheLine) {
   EXPECT_EQ(fault(read_connections, "A.M.D.O B.N.D.O\n").substr(0, 14), "CONNECT.CFG:1:");
   EXPECT_EQ(fault(read_object_settings, "\nOPEN-R/ONE.BIN\n").substr(0, 13), "OBJECT.CFG:2:");
   EXPECT_EQ(fault(read_object_settings, "[ERS-210\n").substr(0, 13), "OBJECT.CFG:1:");
+  // A section of another robot may name it again.
+  const std::string head = "/MS/OPEN-R/MW/OBJS/HEAD.BIN\n";
+  EXPECT_EQ(read_object_settings(head + "[ERS-7]\n" + head, "ERS-210").size(), 1u);
+  EXPECT_EQ(
+      fault(read_object_settings, (head + "/MS/OPEN-R/MW/OBJS/head.bin\n").c_str()).substr(0, 13),
+      "OBJECT.CFG:2:");
 }
 
 // A stick knows no small letters; nothing lies outside of it.

@@ -1,36 +1,26 @@
 #include "open_r/host/program.h"
 
 #include <cstdio>
-#include <fstream>
-#include <sstream>
 
 #include "open_r/files/settings.h"
+#include "open_r/files/text_file.h"
 #include "open_r/library/program_object.h"
 
 namespace seam::open_r {
-namespace {
 
-std::string read_text(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return "";
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
-}  // namespace
-
-Program::Program(const std::filesystem::path& stick, const std::string& design)
-    : stick_(stick), design_(design) {
+Program::Program(const std::filesystem::path& stick, const std::string& design) : stick_(stick) {
   const MemoryStick files(stick_);
   const std::filesystem::path objects = files.find("/MS/OPEN-R/MW/CONF/OBJECT.CFG");
-  if (!std::filesystem::is_regular_file(objects))
+  if (!std::filesystem::exists(objects))
     throw Fault(stick_.string() +
                 ": no OPEN-R/MW/CONF/OBJECT.CFG, expected a memory stick as `seam open-r build` "
                 "makes it");
   RobotOptions options{design, files, {}};
-  options.design_data =
-      read_design_data(read_text(files.find("/MS/OPEN-R/MW/CONF/DESIGNDB.CFG")), design);
+  // Most programs look for no file by a keyword.
+  const std::filesystem::path data = files.find("/MS/OPEN-R/MW/CONF/DESIGNDB.CFG");
+  if (std::filesystem::exists(data))
+    options.design_data = read_design_data(read_text(data), design);
+  connections_ = read_connections(read_text(files.find("/MS/OPEN-R/MW/CONF/CONNECT.CFG")), design);
   robot_ = std::make_unique<VirtualRobot>(system_, std::move(options));
   for (const std::string& name : read_object_settings(read_text(objects), design)) {
     const std::filesystem::path file = files.find(name);
@@ -53,9 +43,7 @@ void Program::start(const sdk::Observation& seen) {
   started_ = true;
   robot_->look(seen);
   tell_all(oentryINIT, oreasonBOOT);
-  const MemoryStick files(stick_);
-  const std::string connections = read_text(files.find("/MS/OPEN-R/MW/CONF/CONNECT.CFG"));
-  for (const Connection& connection : read_connections(connections, design_))
+  for (const Connection& connection : connections_)
     system_.connect(connection.subject, connection.observer);
   // The robot's own objects are started first: they are ready when a program's objects start.
   robot_->start();

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "open_r/files/settings.h"
 #include "open_r/network/ip_stack.h"
 #include "open_r/robot/virtual_robot.h"
 
@@ -28,7 +29,7 @@ class Program {
   void tell_all(Selector entry, OReason reason);
 
   std::filesystem::path stick_;
-  std::string design_;
+  std::vector<Connection> connections_;
   System system_;
   IpStack network_{system_};
   std::unique_ptr<VirtualRobot> robot_;
