@@ -5,6 +5,7 @@ The three examples of open_r/examples are built by `seam open-r build` from thei
 scenarios, and their logs are verified; what a program lacks is named; a program that crashes is a client that crashes.
 """
 import json
+import os
 import pathlib
 import re
 import shutil
@@ -70,9 +71,9 @@ class OpenR(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.here = pathlib.Path(folder.name)
 
-    def build(self, program, *more):
+    def build(self, program, *more, code=0):
         out = self.here / "out"
-        return out, seam("open-r", "build", program, "--out", out, *more)
+        return out, seam("open-r", "build", program, "--out", out, *more, code=code)
 
     def run_for(self, out, duration_s, *more):
         """The summary of a run of the scenario that was written, what it said, and its log, verified."""
@@ -143,8 +144,10 @@ class OpenR(unittest.TestCase):
         self.assertIn("ERA201D1 is refused", said)
         (program / "MS/OPEN-R/MW/CONF/OBJECT.CFG").write_text("/MS/OPEN-R/MW/OBJS/SWINGHD.BIN\n/MS/OPEN-R/MW/OBJS/POWERMON.BIN\n")
         source.write_text((EXAMPLES / "moving_head" / "SwingHead" / "SwingHead.cc").read_text())
-        said = seam("open-r", "build", program, "--out", self.here / "out")
+        said = seam("open-r", "build", program, "--out", self.here / "out", code=1)
         self.assertIn("OBJECT.CFG names POWERMON.BIN, which no folder makes: give its folder, too", said)
+        self.assertIn("1 of 2 objects were built", said)
+        self.assertTrue((self.here / "out/scenario.yaml").exists(), "the other object may be tried")
         said = seam("open-r", "build", self.here / "nowhere", code=1)
         self.assertIn("no folder", said)
 
@@ -211,6 +214,99 @@ class OpenR(unittest.TestCase):
         self.assertIn("lacks ODataArchive::New is refused: read the file of the archive", said)
         program = self.changed("#include <math.h>", '#include <math.h>\nvoid Old() { asm("mfc0 $2, $12"); }')
         self.assertIn("lacks a MIPS processor", seam("open-r", "build", program, "--out", self.here / "out", code=1))
+
+    def test_a_file_that_is_no_log_stays(self):
+        notes = self.here / "notes.txt"
+        notes.write_text("of a long night")
+        self.assertIn("exists and is no log", self.build(EXAMPLES / "moving_head", "--log", notes, code=1)[1])
+        self.assertEqual(notes.read_text(), "of a long night")
+        log = self.here / "head.mcap"
+        for _ in range(2):
+            self.build(EXAMPLES / "moving_head", "--log", log)
+        self.assertTrue(log.read_bytes().startswith(b"\x89MCAP0"))
+
+    def test_an_unknown_robot_is_refused(self):
+        out, _ = self.build(EXAMPLES / "moving_head")
+        said = self.build(EXAMPLES / "moving_head", "--scenario", out / "scenario.yaml", "--robot", "nobody", code=2)[1]
+        self.assertIn("--robot nobody: not in the scenario, whose robots are: aibo", said)
+        self.assertIn("give --scenario, too", self.build(EXAMPLES / "moving_head", "--robot", "aibo", code=2)[1])
+
+    def test_a_good_object_outlives_a_build_that_fails(self):
+        program = self.copy_of("moving_head")
+        objects, settings = program / "MS/OPEN-R/MW/OBJS", program / "MS/OPEN-R/MW/CONF/OBJECT.CFG"
+        objects.mkdir()
+        (objects / "swinghd.bin").write_text("for a MIPS processor")
+        out, _ = self.build(program)
+        made = out / "MS/OPEN-R/MW/OBJS/SWINGHD.BIN"
+        good = made.read_bytes()
+        self.assertEqual([made], list(made.parent.iterdir()))
+        source = program / "SwingHead/SwingHead.cc"
+        text = source.read_text()
+        source.write_text(text + "nonsense")
+        self.build(program, code=1)
+        self.assertEqual(made.read_bytes(), good)
+        source.write_text(text)
+        settings.write_text("/MS/OPEN-R/MW/OBJS/SWINGHD.BIN\n/MS/OPEN-R/MW/OBJS/swinghd.BIN\n")
+        said = self.build(program, code=1)[1]
+        self.assertIn("OBJECT.CFG:2: /MS/OPEN-R/MW/OBJS/swinghd.BIN is named twice", said)
+        self.assertEqual(made.read_bytes(), good)
+
+    def test_makefiles_without_end(self):
+        program = self.copy_of("moving_head")
+        makefile = program / "SwingHead/Makefile"
+        for name, other in ("AB", "BA"):
+            (program / name).mkdir()
+            (program / name / "Makefile").write_text(f"lib{name}.a: {name}.o ../{other}/lib{other}.a\n")
+            (program / name / f"{name}.cc").write_text(f"int of_{name} = 1;\n")
+        makefile.write_text("swing.bin: SwingHead.o ../A/libA.a $^\n\tgzip -c $^ > swing.bin SWINGHD.BIN\n")
+        self.build(program)
+        made = {path.name for path in (self.here / "out/objects").rglob("*.o")}
+        self.assertEqual(made, {"0_SwingHead.o", "1_A.o", "2_B.o", "3_SwingHeadStub.o"})
+        makefile.write_text("swing.bin: SwingHead.o\nCXXFLAGS = $(CXXFLAGS) $(CXXFLAGS) -O2\n")
+        self.assertIn("Makefile:2: the variable CXXFLAGS names itself", self.build(program, code=1)[1])
+
+    def test_settings_are_files(self):
+        program = self.copy_of("moving_head")
+        settings = program / "MS/OPEN-R/MW/CONF"
+        out, _ = self.build(program)
+        connections = out / "MS/OPEN-R/MW/CONF/CONNECT.CFG"
+        connections.unlink()
+        self.assertIn("CONNECT.CFG: is not there, expected a file", seam("run", out / "scenario.yaml", code=1))
+        connections.mkdir()
+        self.assertIn("CONNECT.CFG: is a folder, expected a file", seam("run", out / "scenario.yaml", code=1))
+        connections.rmdir()
+        (settings / "OBJECT.CFG").unlink()
+        os.mkfifo(settings / "OBJECT.CFG")
+        self.assertIn("OBJECT.CFG: is a pipe, expected a file", self.build(program, code=1)[1])
+        (settings / "OBJECT.CFG").unlink()
+        (settings / "OBJECT.CFG").symlink_to("/dev/zero")
+        self.assertIn("OBJECT.CFG: is a device, expected a file", self.build(program, code=1)[1])
+
+    def test_names_that_yaml_would_read_otherwise(self):
+        out = self.here / "a, b # [c] 'd'"
+        seam("open-r", "build", EXAMPLES / "moving_head", "--out", out)
+        self.run_for(out, 0.1)
+
+    def test_a_build_in_the_own_folder(self):
+        program = self.copy_of("moving_head")
+        for name in ("open_r_program", "other", "other"):
+            subprocess.run([SEAM, "open-r", "build", ".", "--out", name], cwd=program, check=True, timeout=LIMIT_S)
+        for out in (program, program / "MS", program / "MS/OPEN-R/new"):
+            said = seam("open-r", "build", program, "--out", out, code=1)
+            self.assertIn("its stick would be that of the program", said)
+        self.assertFalse((program / "MS/OPEN-R/new").exists())
+
+    def test_links_stay_in_the_stick(self):
+        program = self.copy_of("moving_head")
+        link = program / "MS/secret.txt"
+        (program / "MS/file.txt").write_text("of the program")
+        link.symlink_to("file.txt")
+        out, _ = self.build(program)
+        self.assertEqual((out / "MS/secret.txt").read_text(), "of the program")
+        for target in ("/etc/passwd", "../SwingHead", "nowhere"):
+            link.unlink()
+            link.symlink_to(target)
+            self.assertIn("secret.txt: a link that leaves the stick", self.build(program, code=1)[1])
 
     def test_a_stub(self):
         seam("open-r", "stub", EXAMPLES / "walking/GaitWalker/stub.cfg", "--out", self.here)

@@ -1,12 +1,13 @@
 #include "open_r/programs/builder.h"
 
 #include <algorithm>
+#include <cctype>
 #include <fstream>
-#include <set>
 #include <sstream>
 
 #include "open_r/files/fault.h"
 #include "open_r/files/stub_settings.h"
+#include "open_r/files/text_file.h"
 
 namespace seam::open_r {
 namespace {
@@ -14,13 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kMostLines = 30;  // Of a compiler's words, for one file.
-
-std::string read_text(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
 
 void write_text(const fs::path& file, const std::string& text) {
   std::ofstream stream(file, std::ios::binary);
@@ -94,27 +88,79 @@ class ObjectBuild {
   const std::function<void(const std::string&)>& say_;
 };
 
+// A stick knows no small letters.
+std::string folded(std::string name) {
+  for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return name;
+}
+
+// Links lead to files of this stick alone: what else a user can read is not the program's.
+void check_link(const fs::path& link, const fs::path& stick) {
+  std::error_code error;
+  const fs::path target = fs::canonical(link, error);
+  if (error || !lies_in(target, stick))
+    throw Fault(link.string() + ": a link that leaves the stick, expected the file itself");
+  if (!fs::is_regular_file(target))
+    throw Fault(link.string() + ": a link to no file, expected what it leads to");
+}
+
+// The stick without the files that are to be built: those that it holds are for a MIPS processor,
+// and may not take the place of what was built before.
+void copy_stick(const ProgramPlan& plan, const fs::path& stick) {
+  const fs::path from = fs::canonical(plan.stick);
+  const auto is_wanted = [&](const fs::path& file) {
+    return file.parent_path().filename() == "OBJS" &&
+           std::any_of(plan.wanted.begin(), plan.wanted.end(), [&](const std::string& wanted) {
+             return folded(wanted) == folded(file.filename().string());
+           });
+  };
+  for (const auto& entry : fs::recursive_directory_iterator(from)) {
+    const fs::path to = stick / entry.path().lexically_relative(from);
+    std::error_code error;
+    if (entry.is_symlink()) check_link(entry.path(), from);
+    if (entry.is_directory())
+      fs::create_directories(to, error);
+    else if (!entry.is_regular_file())
+      throw Fault(entry.path().string() + ": a pipe, socket or device, expected a file");
+    else if (!is_wanted(entry.path()))
+      fs::copy_file(entry.path(), to, fs::copy_options::overwrite_existing, error);
+    if (error)
+      throw Fault(entry.path().string() + ": cannot be copied to " + to.string() + ": " +
+                  error.message());
+  }
+}
+
+// A copy into itself has no end.
+void check_out(const fs::path& out, const fs::path& stick) {
+  const fs::path from = fs::canonical(stick), to = fs::weakly_canonical(fs::absolute(out));
+  if (lies_in(to, from) || lies_in(from, to / "MS"))
+    throw Fault(out.string() + ": its stick would be that of the program, " + from.string() +
+                ", or lie in it: give another folder by --out");
+}
+
 }  // namespace
 
 BuildReport build_program(const ProgramPlan& plan, const Toolchain& tools, const fs::path& out,
                           const std::function<void(const std::string&)>& say) {
   const fs::path stick = out / "MS", objects = stick / "OPEN-R" / "MW" / "OBJS";
-  fs::create_directories(out);
-  fs::copy(plan.stick, stick, fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+  check_out(out, plan.stick);
   fs::create_directories(objects);
+  write_text(out / kBuildMark, "Made by `seam open-r build`.\n");
+  copy_stick(plan, stick);
   BuildReport report;
   const std::vector<const ObjectPlan*> made = assign_objects(plan);
   for (size_t i = 0; i < plan.wanted.size(); ++i) {
     const std::string& file = plan.wanted[i];
-    // A stick that already holds it for a MIPS processor: it cannot be run here.
-    fs::remove(objects / file);
     if (made[i] == nullptr) {
       report.missing.push_back(file);
       say("OBJECT.CFG names " + file + ", which no folder makes: give its folder, too");
       continue;
     }
     const ObjectPlan& object = *made[i];
-    if (ObjectBuild(object, tools, out / "objects" / object.name, say).build(objects / file)) {
+    // What was built before stays until this is whole.
+    const fs::path made_file = out / "objects" / object.name / "whole.BIN";
+    if (ObjectBuild(object, tools, made_file.parent_path(), say).build(made_file)) {
+      fs::rename(made_file, objects / file);
       ++report.built;
       say(file + " from " + object.folder.string());
     } else {

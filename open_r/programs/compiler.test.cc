@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "open_r/files/fault.h"
 #include "open_r/programs/makefile.h"
 
 namespace seam::open_r {
@@ -13,19 +14,48 @@ using Names = std::vector<std::string>;
 
 // The ways in which Makefiles name the objects of sources.
 TEST(Makefiles, ObjectsAreNamedBySources) {
-  const Makefile makefile = Makefile::read(
-      "SRCS = A.cc B.cc \\\n  notes.txt\nEXTRA = ../share/C.o\n"
-      "OBJS = $(patsubst %.cc,%.o,$(filter %.cc,$(SRCS))) $(EXTRA)\n"
-      "ENDINGS = $(SRCS:.cc=.o) ${SRCS:%.cc=obj/%.o}\n"
-      "SELF = $(SELF) x\nOPEN = $(SRCS\nSHELL = $(shell rm -rf /)\n"
-      "all.bin: $(OBJS) Stub.o\n",
-      {});
+  const Makefile makefile =
+      Makefile::read("Makefile",
+                     "SRCS = A.cc B.cc \\\n  notes.txt\nEXTRA = ../share/C.o\n"
+                     "OBJS = $(patsubst %.cc,%.o,$(filter %.cc,$(SRCS))) $(EXTRA)\n"
+                     "ENDINGS = $(SRCS:.cc=.o) ${SRCS:%.cc=obj/%.o}\n"
+                     "FLAGS = -I.\nFLAGS := $(FLAGS) -DX\nFLAGS += $(FLAGS)\nOPEN = $(SRCS\nSHELL "
+                     "= $(shell rm -rf /)\n"
+                     "all.bin: $(OBJS) Stub.o\n",
+                     {});
   EXPECT_EQ(words_of(makefile.value("OBJS")), (Names{"A.o", "B.o", "../share/C.o"}));
   EXPECT_EQ(words_of(makefile.value("ENDINGS")),
             (Names{"A.o", "B.o", "notes.txt", "obj/A.o", "obj/B.o", "notes.txt"}));
   EXPECT_EQ(makefile.rules().at(0).prerequisites, (Names{"A.o", "B.o", "../share/C.o", "Stub.o"}));
   EXPECT_EQ(makefile.value("OPEN") + makefile.value("SHELL"), "");
-  EXPECT_FALSE(makefile.value("SELF").empty());
+  EXPECT_EQ(words_of(makefile.value("FLAGS")), (Names{"-I.", "-DX", "-I.", "-DX"}));
+}
+
+std::string fault_of(const std::string& text, const std::string& variable) {
+  try {
+    static_cast<void>(Makefile::read("p/Makefile", text, {}).value(variable));
+  } catch (const Fault& fault) {
+    return fault.what();
+  }
+  return "";
+}
+
+TEST(Makefiles, VariablesWithoutEndAreRefused) {
+  EXPECT_EQ(fault_of("A = x\nCXXFLAGS = $(CXXFLAGS) $(CXXFLAGS) -O2\n", "CXXFLAGS"),
+            "p/Makefile:2: the variable CXXFLAGS names itself, expected := or +=");
+  EXPECT_EQ(fault_of("A = $(B)\nB = $(A)\n", "A"),
+            "p/Makefile:1: the variable A names itself, expected := or +=");
+  // Each twice the one before, whether there is something in the first or not.
+  for (const std::string first : {"", "words"}) {
+    std::string chain = "V0 = " + first + "\n", at_once = "V := " + first + " x\n";
+    for (int i = 1; i < 100; ++i) {
+      const std::string before = "$(V" + std::to_string(i - 1) + ")";
+      chain += "V" + std::to_string(i) + " = " + before + before + "\n";
+      at_once += "V := $(V)$(V)\n";
+    }
+    EXPECT_NE(fault_of(chain, "V99").find("grow to more than"), std::string::npos);
+    EXPECT_NE(fault_of(at_once, "V").find("grow to more than"), std::string::npos);
+  }
 }
 
 // What g++ and the assembler say, and what a user reads of it.

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
+#include <memory>
 #include <set>
-#include <sstream>
 
 #include "open_r/files/fault.h"
 #include "open_r/files/settings.h"
+#include "open_r/files/text_file.h"
 #include "open_r/programs/makefile.h"
 
 namespace seam::open_r {
@@ -20,13 +20,6 @@ const char* const kSourceEndings[] = {".cc", ".cpp", ".cxx", ".C", ".c", ".s", "
 const std::set<std::string> kOwnLibraries = {"ObjectComm", "OPENR",  "Internet", "antMCOOP",
                                              "ERA201D1",   "cdtcmd", "m",        "c",
                                              "stdc++",     "OMWares"};
-
-std::string read_text(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
 
 std::vector<fs::path> sorted_files(const fs::path& folder) {
   std::vector<fs::path> files;
@@ -108,7 +101,7 @@ class ObjectReader {
 
   ObjectPlan read() {
     const fs::path file = makefile_of(folder_);
-    if (!file.empty()) read_makefile(Makefile::read(read_text(file), given_));
+    if (!file.empty()) read_makefile(Makefile::read(file.string(), read_text(file), given_));
     if (object_.sources.empty()) take_all_sources();
     return object_;
   }
@@ -156,11 +149,14 @@ class ObjectReader {
 
   void take_library(const fs::path& library, const std::vector<std::string>& flags) {
     const std::string stem = library.stem().string();
-    const fs::path folder = fs::weakly_canonical(folder_ / library).parent_path();
+    const fs::path whole = fs::weakly_canonical(folder_ / library), folder = whole.parent_path();
+    // Libraries may name each other.
+    if (!libraries_->insert(whole).second) return;
     const fs::path file = makefile_of(folder);
     if (!file.empty() && folder != folder_) {
-      const Makefile makefile = Makefile::read(read_text(file), given_);
+      const Makefile makefile = Makefile::read(file.string(), read_text(file), given_);
       ObjectReader inner(folder, program_, given_);
+      inner.libraries_ = libraries_;
       for (const MakeRule& rule : makefile.rules())
         for (const std::string& target : rule.targets)
           if (fs::path(target).filename() == library.filename())
@@ -181,7 +177,13 @@ class ObjectReader {
     std::string all;
     for (const std::string& p : rule.prerequisites) all += p + " ";
     for (const char* name : {"$^", "$<"})
-      for (size_t at; (at = text.find(name)) != std::string::npos;) text.replace(at, 2, all);
+      // What is put in may name it, too.
+      for (size_t at = 0; (at = text.find(name, at)) != std::string::npos; at += all.size()) {
+        text.replace(at, 2, all);
+        if (text.size() > kMostTextBytes)
+          throw Fault(folder_.string() + ": a command of the Makefile is longer than " +
+                      std::to_string(kMostTextBytes) + " bytes");
+      }
     if (text.starts_with("rm ") || text.find(".bin") == std::string::npos) return;
     for (const std::string& word : words_of(text))
       if (word.ends_with(".BIN")) object_.installed.push_back(fs::path(word).filename().string());
@@ -189,6 +191,8 @@ class ObjectReader {
 
   fs::path folder_, program_;
   const std::map<std::string, std::string>& given_;
+  // Those that were read, or are just being read, for this object.
+  std::shared_ptr<std::set<fs::path>> libraries_ = std::make_shared<std::set<fs::path>>();
   ObjectPlan object_;
 };
 
@@ -207,7 +211,7 @@ std::vector<fs::path> object_folders(const fs::path& folder,
       found.insert(at->path());
   }
   if (const fs::path file = makefile_of(folder); !file.empty()) {
-    const Makefile makefile = Makefile::read(read_text(file), given);
+    const Makefile makefile = Makefile::read(file.string(), read_text(file), given);
     for (const auto& [name, value] : makefile.variables())
       for (const std::string& word : words_of(makefile.expand(value)))
         if (word.starts_with("..") && fs::is_directory(folder / word) &&
@@ -217,12 +221,24 @@ std::vector<fs::path> object_folders(const fs::path& folder,
   return {found.begin(), found.end()};
 }
 
-fs::path find_stick(const fs::path& folder) {
+// Whether a file lies on a stick that a build made.
+bool is_built(const fs::path& file) {
+  for (fs::path at = file; at != at.parent_path(); at = at.parent_path())
+    if (at.filename() == "MS" && fs::exists(at.parent_path() / kBuildMark)) return true;
+  return false;
+}
+
+fs::path find_stick(const fs::path& folder, const fs::path& out) {
   std::vector<fs::path> sticks;
   std::error_code error;
   for (const auto& entry : fs::recursive_directory_iterator(folder, error))
     if (entry.path().filename() == "OBJECT.CFG") sticks.push_back(entry.path());
   std::sort(sticks.begin(), sticks.end());
+  const fs::path whole_out = fs::weakly_canonical(fs::absolute(out));
+  if (sticks.size() > 1)
+    std::erase_if(sticks, [&](const fs::path& file) {
+      return is_built(file) || (lies_in(file, whole_out / "MS") && !lies_in(folder, whole_out));
+    });
   if (sticks.empty()) return {};
   if (sticks.size() > 1)
     throw Fault(folder.string() + ": " + std::to_string(sticks.size()) +
@@ -261,15 +277,20 @@ size_t common_letters(const std::string& a, const std::string& b) {
 
 }  // namespace
 
+bool lies_in(const fs::path& path, const fs::path& folder) {
+  return std::mismatch(path.begin(), path.end(), folder.begin(), folder.end()).second ==
+         folder.end();
+}
+
 ProgramPlan plan_program(const std::vector<fs::path>& folders, const std::string& design,
-                         const std::map<std::string, std::string>& given) {
+                         const std::map<std::string, std::string>& given, const fs::path& out) {
   ProgramPlan plan;
   plan.design = design;
   std::set<fs::path> seen;
   for (const fs::path& named : folders) {
     if (!fs::is_directory(named)) throw Fault(named.string() + ": no folder, expected a program's");
     const fs::path folder = fs::canonical(named);
-    if (plan.stick.empty()) plan.stick = find_stick(folder);
+    if (plan.stick.empty()) plan.stick = find_stick(folder, out);
     for (const fs::path& object : object_folders(folder, given))
       if (seen.insert(object).second)
         plan.objects.push_back(ObjectReader(object, folder, given).read());

@@ -31,11 +31,18 @@ struct ProgramPlan {
   std::vector<ObjectPlan> objects;
 };
 
+// A file with this name in its folder says that a build made the stick beside it.
+constexpr const char* kBuildMark = ".open_r_build";
+
+// Whether a path is a folder's or lies below it; both without links.
+bool lies_in(const std::filesystem::path& path, const std::filesystem::path& folder);
+
 // `folders`: that of the program, then others that hold objects of it. `given`: variables for
-// Makefiles. Throws Fault where there is no program.
+// Makefiles. `out`: where the build goes; a stick there is not the program's. Throws Fault where
+// there is no program.
 ProgramPlan plan_program(const std::vector<std::filesystem::path>& folders,
-                         const std::string& design,
-                         const std::map<std::string, std::string>& given);
+                         const std::string& design, const std::map<std::string, std::string>& given,
+                         const std::filesystem::path& out);
 
 // The object that makes each wanted file, in their order; nullptr where none does.
 std::vector<const ObjectPlan*> assign_objects(const ProgramPlan& plan);

@@ -1,11 +1,14 @@
 // `seam open-r build FOLDER`: builds an OPEN-R program for an AIBO from its own folder, and runs it
 // in a scenario. `seam open-r stub FILE`: the stub of an object alone.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 
 #include "app/data_file.h"
 #include "app/session/run_session.h"
 #include "app/session/session_outputs.h"
+#include "effects/formulas/formula_parameter.h"
 #include "open_r/files/fault.h"
 #include "open_r/files/stub_settings.h"
 #include "open_r/programs/builder.h"
@@ -51,23 +54,54 @@ std::map<std::string, std::string> given_variables(const std::vector<std::string
 
 // A robot that sees a ball, for programs that come without a scenario.
 std::string scenario_text(const fs::path& stick, const std::string& design) {
-  const auto ours = [](const char* name) { return fs::absolute(app::data_file(name)).string(); };
+  const auto in_quotes = [](const fs::path& path) {
+    return effects::yaml_quoted(fs::absolute(path).string());
+  };
   return fmt::format(
       "# Written by `seam open-r build`: an ERS-210 that runs the program beside this file.\n"
       "format: seam-scenario/1\nname: open_r\nduration_s: 10\nseed: 1\n"
       "field: {}\nball: {{x_m: 0.6, y_m: 0.15}}\nrobots:\n  - id: aibo\n    team: red\n"
       "    pose: {{x_m: -0.2, y_m: 0, theta_rad: 0}}\n    body: {}\n    camera: {{model: {}}}\n"
       "    behaviour: {{command: [open_r, {}, --design, {}], clock: {{period_s: 0.008}}}}\n",
-      ours("models/field_2002.yaml"), ours("models/robot_ers210.yaml"), ours("models/ers210.yaml"),
-      fs::absolute(stick).string(), design);
+      in_quotes(app::data_file("models/field_2002.yaml")),
+      in_quotes(app::data_file("models/robot_ers210.yaml")),
+      in_quotes(app::data_file("models/ers210.yaml")), in_quotes(stick), design);
 }
 
 // The robot of a scenario that is to run the program: the one named, or the only one.
 std::string robot_of(const Scenario& scenario, const std::string& named) {
-  if (!named.empty()) return named;
-  if (scenario.robots.size() == 1) return scenario.robots[0].id;
-  throw UsageError(fmt::format("{} robots in the scenario: name one by --robot, such as {}",
-                               scenario.robots.size(), scenario.robots[0].id));
+  std::vector<std::string> ids;
+  for (const auto& robot : scenario.robots) ids.push_back(robot.id);
+  if (!named.empty() && std::find(ids.begin(), ids.end(), named) != ids.end()) return named;
+  const std::string known = fmt::format("{}", fmt::join(ids, ", "));
+  if (!named.empty())
+    throw UsageError(fmt::format("--robot {}: not in the scenario, whose robots are: {}", named,
+                                 known.empty() ? "none" : known));
+  if (ids.size() == 1) return ids[0];
+  throw UsageError(
+      fmt::format("{} robots in the scenario: name one by --robot: {}", ids.size(), known));
+}
+
+// A log that an earlier build wrote may be overwritten, a file that is none may not.
+void check_log(const fs::path& log) {
+  constexpr std::string_view kMagic = "\x89MCAP0\r\n";
+  std::error_code unknown;
+  if (log.empty() || !fs::is_regular_file(log, unknown)) return;
+  std::string start(kMagic.size(), '\0');
+  std::ifstream(log, std::ios::binary).read(start.data(), std::ssize(start));
+  if (start != kMagic)
+    throw InputError(
+        fmt::format("{}: exists and is no log; give another name for the log", log.string()));
+}
+
+// What is wrong is said before the minutes of a build.
+void check_options(const BuildOptions& options) {
+  check_log(options.log);
+  if (options.scenario.empty() && !options.robot.empty())
+    throw UsageError("--robot: give --scenario, too, the scenario with that robot");
+  app::SimulatorOptions simulator_options;
+  if (!options.scenario.empty())
+    robot_of(app::load_scenario(options.scenario, simulator_options), options.robot);
 }
 
 void run(const BuildOptions& options, const fs::path& stick, const std::string& written) {
@@ -94,12 +128,13 @@ void run(const BuildOptions& options, const fs::path& stick, const std::string& 
 }
 
 void build(const BuildOptions& options) {
+  check_options(options);
   std::vector<fs::path> folders(options.folders.begin(), options.folders.end());
   const fs::path out = options.out;
   open_r::BuildReport report;
   try {
     const open_r::ProgramPlan plan = open_r::plan_program(
-        folders, options.design, given_variables(options.variables, options.design));
+        folders, options.design, given_variables(options.variables, options.design), out);
     const open_r::Toolchain tools{options.compiler, "cc", header_folder()};
     report = open_r::build_program(plan, tools, out, [](const std::string& line) {
       std::puts(shown_lines(line).c_str());
@@ -108,13 +143,16 @@ void build(const BuildOptions& options) {
   } catch (const open_r::Fault& fault) {
     throw InputError(fault.what());
   }
-  if (!report.failed.empty() || report.built == 0)
+  const fs::path stick = out / "MS", written = out / "scenario.yaml";
+  const size_t lacking = report.failed.size() + report.missing.size();
+  // Without an object that nobody has the sources of, the others may still be tried.
+  if (report.failed.empty() && report.built > 0)
+    OutputFile(written).fill(scenario_text(stick, options.design));
+  if (lacking > 0 || report.built == 0)
     throw InputError(
         fmt::format("{} of {} objects were built: the lines above say what the rest "
                     "lacks",
-                    report.built, report.built + report.failed.size()));
-  const fs::path stick = out / "MS", written = out / "scenario.yaml";
-  OutputFile(written).fill(scenario_text(stick, options.design));
+                    report.built, report.built + lacking));
   if (options.run || !options.scenario.empty() || !options.log.empty())
     run(options, stick, written.string());
   else
