@@ -134,6 +134,16 @@ class World(unittest.TestCase):
             world.reset()
             self.assertFalse(world.done)
 
+    def test_only_a_log_is_replaced(self):
+        for file, content in (("notes.txt", "mine"), ("empty", "")):
+            (self.here / file).write_text(content)
+            with self.assertRaisesRegex(seam_sdk.SeamError, f"^{file}: exists and is no log$"):
+                seam_sdk.World("one.yaml", log=file)
+            self.assertEqual((self.here / file).read_text(), content)
+        for _ in range(2):
+            with seam_sdk.World("one.yaml", log="again.mcap") as world:
+                world.step()
+
     def test_time_stands_still_for_as_long_as_a_person_thinks(self):
         (self.here / "one.yaml").write_text(scenario("r0", limit_s=4))
         self.run_by_seam("one")

@@ -28,6 +28,7 @@ from .observation import Observation, from_wire
 from .orders import Decision
 from .robot import MOST_SERVER_MESSAGE_BYTES, Connection, Refusal, Robot, SeamError
 
+_MAGIC = b"\x89MCAP0\r\n"  # The first bytes of each log.
 _END_S = 10  # For the server to end by itself.
 _ENDED = "the run is over: reset() begins another one"
 
@@ -233,6 +234,7 @@ class World:
         if seed is not None:
             line += ["--seed", str(seed)]
         if self._log is not None:
+            _check_replaceable(self._log)
             line += ["--log", os.fspath(self._log), "--force"]
         # A session of its own: Ctrl-C comes to this process alone, which ends the server. If this process is killed, the
         # server's standard input ends, and the server with it.
@@ -324,6 +326,17 @@ def _program(seam: str | os.PathLike[str] | None) -> str:
     if found is None:
         raise SeamError("the program `seam` is not beside this package nor in PATH: give World(..., seam=FILE), or set SEAM_PROGRAM")
     return found
+
+
+def _check_replaceable(log: str | os.PathLike[str]) -> None:
+    """An earlier log is replaced; what else a user has there is not."""
+    if not os.path.exists(log):
+        return
+    if os.path.isfile(log):
+        with open(log, "rb") as file:
+            if file.read(len(_MAGIC)) == _MAGIC:
+                return
+    raise SeamError(f"{os.fspath(log)}: exists and is no log")
 
 
 def _end(server: subprocess.Popen[str]) -> None:
