@@ -70,11 +70,31 @@ class NoQueue final : public httplib::TaskQueue {
   void shutdown() override {}
 };
 
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return lower;
+}
+
+// Whether a head asks for several parts, of which httplib would put each into the answer: a
+// thousand times the whole file, too, and before anybody looks at the token.
+bool asks_for_parts(std::string_view head) {
+  constexpr std::string_view kName = "\nrange:";
+  const std::string lower = lower_case(head);
+  for (size_t at = lower.find(kName); at != std::string::npos; at = lower.find(kName, at + 1)) {
+    const size_t comma = lower.find(',', at);
+    if (comma < lower.find('\n', at + 1)) return true;
+  }
+  return false;
+}
+
+constexpr std::string_view kNoParts =
+    "HTTP/1.1 416 Range Not Satisfiable\r\nConnection: close\r\nContent-Length: 0\r\n\r\n";
+
 // What a head says of the size of its body; 0 where it says nothing that is a size.
 size_t content_length_of(std::string_view head) {
   constexpr std::string_view kName = "content-length:";
-  std::string lower(head);
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string lower = lower_case(head);
   const size_t at = lower.find(kName);
   if (at == std::string::npos) return 0;
   const size_t digits = lower.find_first_not_of(' ', at + kName.size());
@@ -199,10 +219,16 @@ void GatedServer::answer() {
       connection = std::move(whole_.front());
       whole_.pop_front();
     }
+    const std::string_view bytes = connection.bytes;
+    const bool refused = asks_for_parts(bytes.substr(0, bytes.find("\r\n\r\n")));
     WholeRequest request(connection.socket, std::move(connection.bytes));
     bool closed = false;
     // One request a connection: the next one would wait in this thread.
-    process_request(request, /*close_connection=*/true, closed, nullptr);
+    if (refused) {
+      request.write(kNoParts.data(), kNoParts.size());
+    } else {
+      process_request(request, /*close_connection=*/true, closed, nullptr);
+    }
     ::shutdown(connection.socket, SHUT_WR);
     drop(connection.socket);
   }
