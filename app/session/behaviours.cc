@@ -86,9 +86,10 @@ std::string why_no_program(const std::filesystem::path& path) {
   return fmt::format("names in its #! line '{}', which is no program", shown(interpreter));
 }
 
-std::string how_it_ended(int status) {
-  if (WIFSIGNALED(status)) return fmt::format("was ended by signal {}", WTERMSIG(status));
-  return fmt::format("ended with exit code {}", WEXITSTATUS(status));
+std::string how_it_ended(const siginfo_t& state) {
+  return fmt::format("{} {}",
+                     state.si_code == CLD_EXITED ? "ended with exit code" : "was ended by signal",
+                     state.si_status);
 }
 
 sigset_t our_signals() {
@@ -232,9 +233,12 @@ void Behaviours::reap(const std::function<void(const std::string&, const std::st
     }
   }
   for (auto it = running_.begin(); it != running_.end();) {
-    int status = 0;
-    if (waitpid(it->first, &status, WNOHANG) == it->first) {
-      ended(it->second, how_it_ended(status));
+    siginfo_t state{};
+    const auto process = static_cast<id_t>(it->first);
+    if (waitid(P_PID, process, &state, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+        state.si_pid == it->first) {
+      ended(it->second, how_it_ended(state));
+      ended_.push_back(it->first);
       it = running_.erase(it);
     } else {
       ++it;
@@ -251,11 +255,18 @@ void Behaviours::wait_for_end(double limit_s) {
 }
 
 Behaviours::~Behaviours() {
-  // To the whole group: a behaviour may have started processes of its own.
+  // To the whole group: a behaviour may have started processes of its own, and have ended.
   for (const auto& [pid, robot] : running_) kill(-pid, SIGTERM);
+  for (const pid_t pid : ended_) kill(-pid, SIGTERM);
   wait_for_end(0.5);
-  for (const auto& [pid, robot] : running_) kill(-pid, SIGKILL);
-  for (const auto& [pid, robot] : running_) waitpid(pid, nullptr, 0);
+  for (const auto& [pid, robot] : running_) ended_.push_back(pid);
+  for (const pid_t pid : ended_) {
+    kill(-pid, SIGKILL);
+    kill(pid, SIGKILL);  // Where it has left its group, or not come to it yet.
+    waitpid(pid, nullptr, 0);
+    while (waitpid(-pid, nullptr, 0) > 0) {
+    }  // Whoever of the group fell to us.
+  }
 }
 
 SignalWatch::SignalWatch(std::function<void()> stop, std::function<void()> child)

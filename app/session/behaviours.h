@@ -64,12 +64,14 @@ class Behaviours {
  public:
   // `standbys`: of a process that makes many runs.
   explicit Behaviours(Standbys* standbys = nullptr) : standbys_(standbys) {}
-  ~Behaviours();  // Ends what still runs: asks (SIGTERM), waits a moment, kills, reaps.
+  // Ends what still runs, with what behaviours started and left: asks (SIGTERM), waits a moment,
+  // kills, reaps.
+  ~Behaviours();
   Behaviours(const Behaviours&) = delete;
   Behaviours& operator=(const Behaviours&) = delete;
 
   void start(const BehaviourProcess& process);
-  // Reaps those that have ended, and reports each: robot, and how it ended.
+  // Looks who has ended, and reports each: robot, and how it ended.
   void reap(const std::function<void(const std::string&, const std::string&)>& ended);
   // Gives all of them this long to end by themselves.
   void wait_for_end(double limit_s);
@@ -78,6 +80,7 @@ class Behaviours {
  private:
   Standbys* standbys_;
   std::map<pid_t, std::string> running_;  // Robot by process.
+  std::vector<pid_t> ended_;              // Reaped at the end: a group keeps its number until then.
 };
 
 // Waits for signals on a thread of its own: `stop` on the first SIGINT, SIGTERM or SIGHUP, `child`
