@@ -2,7 +2,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <limits>
 #include <sstream>
 
 #include "sim_core/base/error.h"
@@ -96,6 +100,41 @@ void add_help(CLI::App& program) {
   });
 }
 
+// What CLI11 would read as another value: numbers beyond the type as its last one, no text at all
+// as no value; a NaN is within each of its ranges. Texts that are no number are left to it.
+std::string trouble_with(const std::string& text, double) {
+  const bool is_number = !text.empty() && !std::isnan(std::strtod(text.c_str(), nullptr));
+  return is_number ? "" : fmt::format("found '{}', expected a number", text);
+}
+
+template <typename Whole>
+std::string trouble_with(const std::string& text, Whole) {
+  constexpr bool kMayBeNegative = std::is_same_v<Whole, int>;
+  constexpr Whole kLeast = kMayBeNegative ? std::numeric_limits<Whole>::min() : 0;
+  constexpr Whole kMost = std::numeric_limits<Whole>::max();
+  errno = 0;
+  if constexpr (std::is_unsigned_v<Whole>) {
+    std::strtoull(text.c_str(), nullptr, 0);
+  } else {
+    std::strtoll(text.c_str(), nullptr, 0);
+  }
+  const bool is_below = !kMayBeNegative && text.find('-') != std::string::npos;
+  if (!text.empty() && errno != ERANGE && !is_below) return "";
+  return fmt::format("found '{}', expected a whole number from {} to {}", text, kLeast, kMost);
+}
+
+// Before other checks of the option.
+template <typename Value>
+void check_numbers(CLI::Option& option, const Value&) {
+  if constexpr (std::is_arithmetic_v<Value>)
+    option.check([](const std::string& text) { return trouble_with(text, Value{}); });
+}
+
+template <typename Value>
+void check_numbers(CLI::Option& option, const std::optional<Value>&) {
+  check_numbers(option, Value{});
+}
+
 }  // namespace
 
 Option& Option::required() {
@@ -139,7 +178,9 @@ Command Command::add_subcommand(const std::string& name, const std::string& help
 
 #define SEAM_ADD_OPTION(Type)                                                                  \
   Option Command::add_option(const std::string& names, Type& value, const std::string& help) { \
-    return Option(app_->add_option(names, value, help));                                       \
+    CLI::Option* option = app_->add_option(names, value, help);                                \
+    check_numbers(*option, value);                                                             \
+    return Option(option);                                                                     \
   }
 SEAM_ADD_OPTION(std::string)
 SEAM_ADD_OPTION(std::vector<std::string>)

@@ -40,7 +40,7 @@ class Command {
   Command add_subcommand(const std::string& name, const std::string& help);
   // `names` is "--name", or "NAME" for an argument by its place. The variable is filled when the
   // line is parsed and must live until then; a text that is no such value is wrong use (exit code
-  // 2).
+  // 2). Of whole numbers, only `int` may be negative.
   Option add_option(const std::string& names, std::string& value, const std::string& help);
   Option add_option(const std::string& names, std::vector<std::string>& value,
                     const std::string& help);

@@ -9,6 +9,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 import by_hand
@@ -175,6 +176,27 @@ class Mistakes(unittest.TestCase):
         code, said = self.seam("check", "scenario.yaml")
         self.assertEqual(code, 1)
         self.assertRegex(said, r"scenario\.yaml: robot 'r0': no behaviour 'ball_wacther' in \S+ or PATH")
+
+    def test_what_a_behaviour_started_ends_with_the_run(self):
+        for last in ("", "    os._exit(0)\n"):  # The behaviour ends with the run, or before it.
+            started = "import subprocess\nopen('child', 'w').write(str(subprocess.Popen(['sleep', '600']).pid))\n"
+            self.program.write_text(each("robot.head()").replace("robot = ", started + "robot = ") + last)
+            self.program.chmod(0o755)
+            self.write([str(self.program)])
+            self.seam("run", "scenario.yaml")
+            child = pathlib.Path("/proc", (self.here / "child").read_text(), "cmdline")
+            end = time.monotonic() + 5
+            while child.exists() and child.read_bytes() and time.monotonic() < end:  # Of a zombie it is empty.
+                time.sleep(0.02)
+            self.assertFalse(child.exists() and child.read_bytes())
+
+    def test_seeds_beyond_those_of_a_scenario_are_wrong_use(self):
+        self.write(["head_swing"])
+        for wrong in (str(1 << 63), "9" * 29, "-1", ""):
+            code, said = self.seam("run", "scenario.yaml", f"--seed={wrong}") if wrong else self.seam("run", "scenario.yaml", "--seed", "")
+            self.assertEqual(code, 2, said)
+            self.assertIn(f"--seed: found '{wrong}', expected a whole number from 0 to {(1 << 63) - 1}", said)
+        self.assertEqual(self.seam("run", "scenario.yaml", "--seed", str((1 << 63) - 1))[0], 0)
 
     def test_a_check_names_all_of_them(self):
         self.write(["ball_wacther"])

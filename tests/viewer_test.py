@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Who may ask `seam view`: viewer_test.py SEAM SOURCE_DIR [unittest arguments]."""
 import json
+import subprocess
 import sys
 import unittest
 import urllib.error
@@ -41,6 +42,19 @@ class Viewer(unittest.TestCase):
             for wrong in ({"Host": "evil.example"}, {"Origin": "http://evil.example"}, {"Origin": "null"},
                           {"Sec_Fetch_Site": "same-site"}, {"Sec_Fetch_Site": "cross-site"}):
                 self.assertEqual(status("api/info", Cookie=cookie, **wrong)[0], 403, wrong)
+            # Each part would be in the answer, a thousand times all of it.
+            many = "bytes=" + ",".join(["0-"] * 1000)
+            for path in ("", "index.html", "api/info"):
+                for headers in ({}, {"Cookie": cookie}):
+                    code, said = status(path, Range=many, **headers)
+                    self.assertEqual((code, said["Content-Length"]), (416, "0"), path)
+            self.assertEqual(status("api/info", Cookie=cookie, Range="bytes=0-3")[0], 206)
+
+    def test_no_number_is_no_time(self):
+        for wrong in ("nan", "-nan", ""):
+            done = subprocess.run([SEAM, "view", LOG, "--at", wrong], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertRegex(done.stderr, f"--at: found '{wrong}', expected a number")
 
 
 if __name__ == "__main__":
