@@ -50,6 +50,50 @@ class SideBySide(Gym):
         worlds.close()
         worlds.close()
 
+    def test_an_error_of_a_reward_leaves_no_world_behind(self):
+        calls = []
+
+        def reward(seen, truth):
+            calls.append(seen.time_ns)
+            if len(calls) == 3:  # Of the first world, at the first step.
+                raise ZeroDivisionError("mine")
+            return 0.0
+
+        worlds = self.env(kind=seam_gym.VectorEnv, num_envs=2, reward=reward)
+        worlds.reset(seed=3)
+        actions = np.stack([wave(0)] * 2)
+        with self.assertRaisesRegex(ZeroDivisionError, "mine"):
+            worlds.step(actions)
+        self.assertEqual(calls, [0, 0, 32_000_000, 32_000_000])
+        with self.assertRaisesRegex(seam_sdk.SeamError, "no episode: reset begins one"):
+            worlds.step(actions)
+        worlds.reset(seed=3)
+        self.assertEqual([one.time_ns for one in worlds.step(actions)[4]["seen"]], [32_000_000] * 2)
+
+    def test_seeds_beyond_those_of_a_scenario_are_refused(self):
+        for kind, arguments in ((seam_gym.Env, {}), (seam_gym.VectorEnv, {"num_envs": 2}), (seam_gym.ParallelEnv, {})):
+            env = self.env(kind=kind, **arguments)
+            for wrong in (-1, 1 << 63):
+                with self.assertRaisesRegex(ValueError, f"seed: found {wrong}, expected a whole number from 0 to {(1 << 63) - 1}"):
+                    env.reset(seed=wrong)
+        env.reset(seed=(1 << 63) - 1)
+
+    def test_a_wrong_argument_is_named(self):
+        for wrong, said in (({"reward": 3}, "reward: found 3"), ({"terminated": None}, "terminated: found None"), ({"act": {}}, "act: found no order"),
+                            ({"act": {"pan": (1,)}}, "act: pan: found .1,., expected a lower and an upper bound"),
+                            ({"act": {"pan": 1}}, "act: pan: found 1"), ({"act": []}, "act: found .., expected"), ({"act": "pan"}, "act: found 'pan'"),
+                            ({"observe": "joints"}, "observe: found 'joints', expected a list"), ({"options": 3}, "options: found 3"),
+                            ({"kind": seam_gym.VectorEnv, "num_envs": 0}, "num_envs: found 0"),
+                            ({"kind": seam_gym.ParallelEnv, "robots": []}, "robots: found ..")):
+            with self.assertRaisesRegex(ValueError, "^" + said):
+                self.env(**wrong)
+        env = self.env("three.yaml", kind=seam_gym.ParallelEnv)
+        with self.assertRaisesRegex(ValueError, "^options: found 3, expected such as {'set'"):
+            env.reset(options=3)
+        env.reset(seed=1)
+        with self.assertRaisesRegex(ValueError, "^actions: no agent 'zz', expected among: r0 r1 r2"):
+            env.step({"zz": wave(0)})
+
     def test_several_robots_learn_in_one_world(self):
         env = self.env("three.yaml", kind=seam_gym.ParallelEnv, terminated=lambda seen, truth: seen.time_s > 0.2 and abs(seen.sensors.odometry.x_m) < 1e-3)
         runs = []

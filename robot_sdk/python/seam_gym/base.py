@@ -3,6 +3,8 @@ that are used here.
 """
 from __future__ import annotations
 
+import numbers
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -77,6 +79,14 @@ except ImportError:
             return len(self.possible_agents)
 
 
+_MOST_SEED = (1 << 63) - 1
+
+
+def check_seed(seed: int | None) -> None:
+    if seed is not None and not (isinstance(seed, numbers.Integral) and 0 <= seed <= _MOST_SEED):
+        raise ValueError(f"seed: found {seed!r}, expected a whole number from 0 to {_MOST_SEED}")
+
+
 def world_seed(random: np.random.Generator, seed: int | None) -> int:
     """The seed of an episode: the one that was given, else the next of this source."""
     return int(random.integers(1 << 31) if seed is None else seed)
@@ -84,4 +94,7 @@ def world_seed(random: np.random.Generator, seed: int | None) -> int:
 
 def changes_of(options: dict[str, Any] | None) -> dict[str, Any]:
     """Keys of the scenario that `reset(options={"set": {...}})` changes for one episode."""
-    return dict((options or {}).get("set", {}))
+    changes = {} if options is None else options.get("set", {}) if isinstance(options, Mapping) else None
+    if not isinstance(changes, Mapping):
+        raise ValueError(f"options: found {options!r}, expected such as {{'set': {{'robots[0].pose.x_m': 0.3}}}}")
+    return dict(changes)

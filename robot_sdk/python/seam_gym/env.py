@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .base import EnvBase, changes_of, world_seed
+from .base import EnvBase, changes_of, check_seed, world_seed
 from .episode import Episode
 from .task import Task
 
@@ -32,6 +32,7 @@ class Env(EnvBase):
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Begins the next episode; options: {"set": {"robots[0].pose.x_m": 0.3}} changes its scenario."""
+        check_seed(seed)
         super().reset(seed=seed)
         turn = self.episode.reset(world_seed(self.np_random, seed), changes_of(options))[self.robot]
         return turn.observation, turn.info

@@ -31,6 +31,10 @@ class Episode:
     def __init__(self, scenario: str | os.PathLike[str], task: Task, agents: Sequence[str] | None = None,
                  log: str | os.PathLike[str] | None = None, options: Sequence[str] = (),
                  sides: Mapping[str, Side] | None = None) -> None:
+        if agents is not None and (isinstance(agents, str) or not list(agents)):
+            raise ValueError(f"robots: found {agents!r}, expected names of robots; left out: all of them")
+        if isinstance(options, str) or not isinstance(options, Sequence):
+            raise ValueError(f"options: found {options!r}, expected a list of words, such as ['--set', 'duration_s=2']")
         self._scenario, self._task, self._wanted = scenario, task, agents
         self._log, self._options, self._number = log, options, 0
         self._world: seam_sdk.World | None = None

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .base import ParallelBase, changes_of, world_seed
+from .base import ParallelBase, changes_of, check_seed, world_seed
 from .episode import Episode
 from .task import Task
 
@@ -36,6 +36,7 @@ class ParallelEnv(ParallelBase):
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], dict[str, Any]]:
         """Begins the next episode; options as of Env."""
+        check_seed(seed)
         if seed is not None:
             self._random = np.random.default_rng(seed)
         turns = self.episode.reset(world_seed(self._random, seed), changes_of(options))
@@ -44,6 +45,9 @@ class ParallelEnv(ParallelBase):
 
     def step(self, actions: Mapping[str, Any]) -> tuple[dict[str, Any], ...]:
         """Observations, rewards, terminations, truncations and infos of the agents whose episode went on."""
+        for name in actions:
+            if name not in self.possible_agents:
+                raise ValueError(f"actions: no agent {name!r}, expected among: {' '.join(self.possible_agents)}")
         self.episode.begin(self.episode.decided({name: action for name, action in actions.items() if name in self.agents}))
         turns = self.episode.finish()
         found = {name: turns[name] for name in self.agents}

@@ -3,7 +3,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping, Sequence
+import numbers
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Optional, Union
 
 import numpy as np
@@ -55,6 +56,13 @@ class Task:
     terminated: Judged = "0"
     watch: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        if isinstance(self.observe, str) or not isinstance(self.observe, Iterable):
+            raise ValueError(f"observe: found {self.observe!r}, expected a list of senses, such as ['joints']")
+        for name in ("reward", "terminated"):
+            if not isinstance(one := getattr(self, name), str) and not callable(one):
+                raise ValueError(f"{name}: found {one!r}, expected an expression or a function")
+
     @property
     def expressions(self) -> list[str]:
         """In the order in which `Side.judge` takes their values."""
@@ -102,18 +110,18 @@ class Side:
 
 
 def _senses(robot: seam_sdk.Robot) -> dict[str, Sense]:
-    def numbers(name: str, size: int, read: Callable[[seam_sdk.Observation], Any], low: float = -np.inf,
+    def measured(name: str, size: int, read: Callable[[seam_sdk.Observation], Any], low: float = -np.inf,
                 high: float = np.inf) -> Sense:
         return Sense(name, Box(low, high, (size,), np.float32), lambda seen, _: np.array(read(seen), np.float32))
 
     width, height = robot.image_size_px
     shape = (height, width, 3)
     senses = [
-        numbers("joints", len(robot.joint_names), lambda seen: seen.sensors.joints.angles_rad),
-        numbers("odometry", 3, lambda seen: dataclasses.astuple(seen.sensors.odometry)),
-        numbers("acceleration", 3, lambda seen: seen.sensors.acceleration_m_s2),
-        numbers("paws", 4, lambda seen: seen.sensors.paw_contact, 0, 1),
-        numbers("time_s", 1, lambda seen: [seen.time_s], 0),
+        measured("joints", len(robot.joint_names), lambda seen: seen.sensors.joints.angles_rad),
+        measured("odometry", 3, lambda seen: dataclasses.astuple(seen.sensors.odometry)),
+        measured("acceleration", 3, lambda seen: seen.sensors.acceleration_m_s2),
+        measured("paws", 4, lambda seen: seen.sensors.paw_contact, 0, 1),
+        measured("time_s", 1, lambda seen: [seen.time_s], 0),
         Sense("frame", Box(0, 255, shape, np.uint8), lambda _, frame: pixels(frame, shape)),
         Sense("row_s", Box(-np.inf, np.inf, (height, 2), np.float32), lambda seen, frame: _row_times(seen, frame, height)),
     ]
@@ -135,8 +143,9 @@ def _act(given: Any, robot: seam_sdk.Robot) -> Act:
     if isinstance(given, Act):
         return given
     if isinstance(given, Mapping):
-        names, (low, high) = list(given), np.array(list(given.values()), np.float64).T
+        names = list(given)
         _check_names(names, robot)
+        low, high = _bounds(given)
         middle, half = (low + high) / 2, (high - low) / 2
         space = Box(-1, 1, (len(names),), np.float32)
 
@@ -147,17 +156,29 @@ def _act(given: Any, robot: seam_sdk.Robot) -> Act:
             return _decision(dict(zip(names, (middle + half * np.clip(action, -1, 1)).tolist())))
 
         return Act(space, scaled)
+    if isinstance(given, str) or not isinstance(given, Sequence) or not given or not all(isinstance(one, Mapping) for one in given):
+        raise ValueError(f"act: found {given!r}, expected bounds by order, a list of orders, or an Act")
     choices = [dict(choice) for choice in given]
     for choice in choices:
         _check_names([name for name in choice if name != "kick"], robot)
-    numbers = Discrete(len(choices))
+    space = Discrete(len(choices))
 
     def chosen(action: Any, _: seam_sdk.Observation) -> seam_sdk.Decision:
-        if not numbers.contains(action):
+        if not space.contains(action):
             raise ValueError(f"action: expected a whole number from 0 to {len(choices) - 1}, found {action!r}")
         return _decision(choices[int(action)])
 
-    return Act(numbers, chosen)
+    return Act(space, chosen)
+
+
+def _bounds(given: Mapping[str, Any]) -> np.ndarray:
+    """Rows of lower and of upper bounds."""
+    if not given:
+        raise ValueError("act: found no order, expected such as {'pan': (-1.5, 1.5)}")
+    for name, pair in given.items():
+        if np.shape(pair) != (2,) or not all(isinstance(bound, numbers.Real) and math.isfinite(bound) for bound in pair):
+            raise ValueError(f"act: {name}: found {pair!r}, expected a lower and an upper bound")
+    return np.array(list(given.values()), np.float64).T
 
 
 def _check_names(names: Sequence[str], robot: seam_sdk.Robot) -> None:
