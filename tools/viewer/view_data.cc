@@ -74,12 +74,12 @@ struct ViewData::Impl {
     return index.robots[static_cast<size_t>(robot(query))];
   }
 
-  // By `index`, or the last one whose stamp is at or before `t`.
+  // By `index`, or the last one whose stamp is at or before `t`; the first where none is.
   int64_t frame_index(const Query& query, int robot) {
     if (query.contains("index")) return integer_of(query, "index", 0);
     const Clock clock = scheduler::camera_clock(match().scenario(), robot);
     const SimTime time = SimTime::from_s(number_of(query, "t", 0));
-    return clock.first_at_or_after(time + SimDuration::from_ns(1)) - 1;
+    return std::max<int64_t>(0, clock.first_at_or_after(time + SimDuration::from_ns(1)) - 1);
   }
 
   using Clock = scheduler::Clock;

@@ -30,6 +30,7 @@ export class Replay {
   constructor(readonly info: LogInfo) {
     // A second beyond the end, so that the last instant has a neighbour to be drawn between.
     this.truth = new Chunks<Truth>(20, (from, to) => ask("truth", { log: info.id, from, to: to + 0.2 }));
+    this.truth.at(info.start_s);  // First of all: the field is what a person looks at.
   }
 
   async loadEvents(): Promise<void> {
