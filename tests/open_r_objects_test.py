@@ -6,16 +6,10 @@ the robot; a fourth one, of another robot's section, is left out. Its log is tha
 crashes, blocks or floods, it is the robot's behaviour that did.
 """
 import json
-import pathlib
-import subprocess
-import tempfile
 import unittest
 import sys
 
-import by_hand
-
-SEAM, SOURCE = by_hand.arguments("seam", "source")
-LIMIT_S = 240  # A hang is a failure.
+from open_r_case import Case, SEAM, seam
 
 HEADER = """#include <OPENR/OObject.h>
 #include <OPENR/OObserver.h>
@@ -126,19 +120,7 @@ Driver.Move.OCommandVectorData.S OVirtualRobotComm.Effector.OCommandVectorData.O
 """
 
 
-def seam(*words, code=0):
-    done = subprocess.run([SEAM, *map(str, words)], capture_output=True, text=True, timeout=LIMIT_S)
-    said = done.stdout + done.stderr
-    assert done.returncode == code, f"seam {' '.join(map(str, words))}: exit code {done.returncode}\n{said}"
-    return said
-
-
-class Objects(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.here = pathlib.Path(folder.name)
-
+class Objects(Case):
     def built(self, mistaken=None, mistake="", connections=CONNECT_CFG):
         """The scenario of the program, one of whose objects makes a mistake with its tenth notification."""
         program, out = self.here / "program", self.here / "out"

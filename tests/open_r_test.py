@@ -6,19 +6,15 @@ scenarios, and their logs are verified; what a program lacks is named; a program
 """
 import json
 import os
-import pathlib
 import re
 import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 
-import by_hand
+from open_r_case import Case, LIMIT_S, SEAM, SOURCE, seam
 
-SEAM, SOURCE = by_hand.arguments("seam", "source")
 EXAMPLES = SOURCE / "open_r" / "examples"
-LIMIT_S = 240  # A hang is a failure.
 
 # What `seam open-r stub` would make, as programs before it had it: functions, entries and the table by hand.
 BY_HAND = {
@@ -58,19 +54,7 @@ ObjectEntry ObjectEntryTable[] = {
 }
 
 
-def seam(*words, code=0):
-    done = subprocess.run([SEAM, *map(str, words)], capture_output=True, text=True, timeout=LIMIT_S)
-    said = done.stdout + done.stderr
-    assert done.returncode == code, f"seam {' '.join(map(str, words))}: exit code {done.returncode}\n{said}"
-    return said
-
-
-class OpenR(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.here = pathlib.Path(folder.name)
-
+class OpenR(Case):
     def build(self, program, *more, code=0):
         out = self.here / "out"
         return out, seam("open-r", "build", program, "--out", out, *more, code=code)

@@ -245,12 +245,10 @@ bool explained_by_noises(const SearchResult& result) {
          noises_found(result).size() == result.steps.size();
 }
 
-void give_verdict(const Problem& problem, SearchResult& result) {
-  const double material = result.material;
-  const SplitStructure of_base = significant_structure(problem, result.base.assessment, material);
+void give_verdict(const Problem& problem, const SplitStructure& of_base, SearchResult& result) {
   const bool is_given = result.steps.empty() && result.kept.empty();
   const SplitStructure of_best =
-      is_given ? of_base : significant_structure(problem, result.best.assessment, material);
+      is_given ? of_base : significant_structure(problem, result.best.assessment, result.material);
   result.base_structure = of_base.material, result.base_traces = of_base.traces;
   result.remaining = of_best.material, result.remaining_traces = of_best.traces;
   const bool first_found =

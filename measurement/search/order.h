@@ -22,9 +22,9 @@ std::vector<std::string> noises_of_unknown_cause(const SearchResult& result);
 // Whether noises are all that the model lacked.
 bool explained_by_noises(const SearchResult& result);
 
-// Tests the structure of the residuals of the model given and of the best one, and says what both
-// leave.
-void give_verdict(const Problem& problem, SearchResult& result);
+// Tests the structure of the residuals of the best model, and says what it and the model given,
+// whose structure is `of_base`, leave.
+void give_verdict(const Problem& problem, const SplitStructure& of_base, SearchResult& result);
 
 // Puts the effects of the final model first, in the order of its steps, and says of the others
 // which of these they stand in for: alone they seemed to help, beside them they do not.

@@ -367,8 +367,9 @@ SearchResult Searcher::run() {
   progress_("looking for a cause without a name");
   look_for_unnamed(problem_, result);
   progress_("testing what structure remains");
-  give_verdict(problem_, result);
-  if (look_for_formula(problem_, progress_, result)) give_verdict(problem_, result);
+  const SplitStructure of_base = significant_structure(problem_, base_.assessment, material_);
+  give_verdict(problem_, of_base, result);
+  if (look_for_formula(problem_, progress_, result)) give_verdict(problem_, of_base, result);
   rank_by_search(problem_, result);
   widen_by_group_scatter(problem_, kMisfit, result.base.assessment);
   result.errors_widened = widen_by_group_scatter(problem_, kMisfit, result.best.assessment);

@@ -8,12 +8,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool same_name(const std::string& a, const std::string& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](unsigned char x, unsigned char y) {
-    return std::toupper(x) == std::toupper(y);
-  });
-}
-
 // The entry of a folder with this name; where there is none, the name that a new one gets.
 fs::path entry_of(const fs::path& folder, const std::string& name) {
   std::error_code error;
@@ -27,6 +21,12 @@ fs::path entry_of(const fs::path& folder, const std::string& name) {
 }
 
 }  // namespace
+
+bool same_name(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](unsigned char x, unsigned char y) {
+    return std::toupper(x) == std::toupper(y);
+  });
+}
 
 fs::path MemoryStick::find(std::string_view name) const {
   constexpr std::string_view kStick = "/MS/";

@@ -8,6 +8,9 @@
 
 namespace seam::open_r {
 
+// Whether a stick takes two names of files for one.
+bool same_name(std::string_view a, std::string_view b);
+
 class MemoryStick {
  public:
   explicit MemoryStick(std::filesystem::path root) : root_(std::move(root)) {}

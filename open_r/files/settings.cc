@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <set>
 #include <sstream>
 
 #include "open_r/files/fault.h"
+#include "open_r/files/memory_stick.h"
 
 namespace seam::open_r {
 namespace {
@@ -49,15 +49,15 @@ std::vector<SettingsLine> settings_lines(std::string_view file, std::string_view
 
 std::vector<std::string> read_object_settings(std::string_view text, std::string_view design) {
   std::vector<std::string> objects;
-  std::set<std::string> names;
+  const auto file_of = [](std::string_view path) { return path.substr(path.rfind('/') + 1); };
   for (const SettingsLine& line : settings_lines("OBJECT.CFG", text, design)) {
     if (line.words.size() != 1 || !is_object_path(line.words[0]))
       throw Fault(line.where + ": found '" + line.words[0] +
                   "', expected one path such as /MS/OPEN-R/MW/OBJS/NAME.BIN");
-    // A stick knows no small letters.
-    std::string name = line.words[0].substr(line.words[0].rfind('/') + 1);
-    for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-    if (!names.insert(name).second)
+    const auto is_same = [&](const std::string& other) {
+      return same_name(file_of(other), file_of(line.words[0]));
+    };
+    if (std::any_of(objects.begin(), objects.end(), is_same))
       throw Fault(line.where + ": " + line.words[0] + " is named twice, expected one line for it");
     objects.push_back(line.words[0]);
   }

@@ -1,11 +1,11 @@
 #include "open_r/programs/builder.h"
 
 #include <algorithm>
-#include <cctype>
 #include <fstream>
 #include <sstream>
 
 #include "open_r/files/fault.h"
+#include "open_r/files/memory_stick.h"
 #include "open_r/files/stub_settings.h"
 #include "open_r/files/text_file.h"
 
@@ -88,12 +88,6 @@ class ObjectBuild {
   const std::function<void(const std::string&)>& say_;
 };
 
-// A stick knows no small letters.
-std::string folded(std::string name) {
-  for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return name;
-}
-
 // Links lead to files of this stick alone: what else a user can read is not the program's.
 void check_link(const fs::path& link, const fs::path& stick) {
   std::error_code error;
@@ -111,7 +105,7 @@ void copy_stick(const ProgramPlan& plan, const fs::path& stick) {
   const auto is_wanted = [&](const fs::path& file) {
     return file.parent_path().filename() == "OBJS" &&
            std::any_of(plan.wanted.begin(), plan.wanted.end(), [&](const std::string& wanted) {
-             return folded(wanted) == folded(file.filename().string());
+             return same_name(wanted, file.filename().string());
            });
   };
   for (const auto& entry : fs::recursive_directory_iterator(from)) {
