@@ -120,7 +120,7 @@ ROOMS = {
         "robot": ["files", "library"],
         "host": ["files", "library", "network", "robot"],
     },
-    "app": {"trust": [], ".": ["trust"], "signals": [], "session": ["trust", ".", "signals"], "logs": ["trust", ".", "signals"], "episodes": ["logs"], "predictors": [".", "trust", "sweep", "sweep/plan"], "exchange": [],
+    "app": {"trust": [], ".": ["trust"], "signals": [], "session": ["trust", ".", "signals"], "logs": ["trust", ".", "signals"], "episodes": ["logs", "bundle"], "predictors": [".", "trust", "sweep", "sweep/plan"], "exchange": [],
             "import/draft": ["exchange"], "import/files": [], "import/bags": ["import/files"],
             "import/pictures": [".", "import/draft", "import/files", "import/bags"],
             "import/servo": ["import/draft", "import/files", "import/bags"],

@@ -5,6 +5,7 @@ what was shown as saved is there.
 Usage: workbench_test.py SEAM SOURCE_DIR [unittest arguments]
 """
 import contextlib
+import io
 import json
 import os
 import pathlib
@@ -18,6 +19,7 @@ import time
 import unittest
 import urllib.error
 import urllib.request
+import zipfile
 
 import by_hand
 
@@ -34,13 +36,21 @@ class Answer:
         return json.loads(self.content)
 
 
+def decoded(table):
+    """The head and the columns of a binary table."""
+    length, = struct.unpack_from("<I", table)
+    head = json.loads(table[4:4 + length])
+    return head, {name: struct.unpack_from(f"<{head['n']}f", table, 4 + length + 4 * head["n"] * k)
+                  for k, name in enumerate(head["columns"])}
+
+
 class Page:
     """What a browser would be: the address that the program printed, and the cookie that it got for the token."""
 
-    def __init__(self, folder, *arguments, enter=True):
+    def __init__(self, folder, *arguments, enter=True, limits=None):
         self.process = subprocess.Popen(
             [SEAM, "workbench", *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-            stdin=subprocess.DEVNULL, cwd=folder, env=dict(os.environ, XDG_STATE_HOME=str(folder)))
+            stdin=subprocess.DEVNULL, cwd=folder, env=dict(os.environ, XDG_STATE_HOME=str(folder)), preexec_fn=limits)
         self.address, _, self.token = self.process.stdout.readline().strip().partition("#token=")
         if not self.address:
             raise AssertionError(self.process.communicate()[1])
@@ -55,7 +65,7 @@ class Page:
         data = content if content is not None else None if body is None else json.dumps(body).encode()
         path = what if what.startswith("/") else f"/api/{what}"
         request = urllib.request.Request(self.address.rstrip("/") + path, data=data, method=method,
-                                         headers={**self.headers, **(headers or {})})
+                                         headers={"Content-Type": "application/json", **self.headers, **(headers or {})})
         try:
             with urllib.request.urlopen(request, timeout=LIMIT_S) as answer:
                 return Answer(answer.status, answer.headers, answer.read())
@@ -85,13 +95,7 @@ class Page:
             answer = self.ask(what)
             assert answer.status in (200, 202), answer.content
             return answer if answer.status == 200 else None
-        content = self.until(read).content
-        length, = struct.unpack_from("<I", content)
-        head = json.loads(content[4:4 + length])
-        columns = {}
-        for k, name in enumerate(head["columns"]):
-            columns[name] = struct.unpack_from(f"<{head['n']}f", content, 4 + length + 4 * head["n"] * k)
-        return head, columns
+        return decoded(self.until(read).content)
 
     def version(self, name):
         return next(one for one in self.state["versions"] if one["id"] == name)
@@ -106,7 +110,9 @@ class Page:
         self.process.stderr.close()
 
 
-class Workbench(unittest.TestCase):
+class OfTheRoom(unittest.TestCase):
+    """Each test has the tutorial's room in a folder of its own."""
+
     @classmethod
     def setUpClass(cls):
         cls.scratch = tempfile.TemporaryDirectory()
@@ -134,6 +140,8 @@ class Workbench(unittest.TestCase):
             if page.process.poll() is None:
                 page.end()
 
+
+class Workbench(OfTheRoom):
     def test_the_whole_journey(self):
         with self.page() as page:
             first = page.looked_at("001")
@@ -214,6 +222,87 @@ class Workbench(unittest.TestCase):
             page.ask("selection", {"ranges": [[1, 3]]}, method="PUT")
             self.assertEqual(page.state["selection"], [[1, 3]])
 
+    def test_each_candidate_has_a_linear_preview_before_its_fit(self):
+        done = subprocess.run([SEAM, "workbench", self.data, "--look", self.folder / "look", "--model", self.data / "nominal.yaml"],
+                              capture_output=True, text=True, check=True, timeout=LIMIT_S)
+        events = [json.loads(line) for line in done.stdout.splitlines()]
+        name = "rolling_shutter"
+        shown = [at for at, event in enumerate(events) if event["event"] == "preview" and event["effect"] == name]
+        listed, *fitted = [at for at, event in enumerate(events) if event["event"] == "search"]
+        self.assertEqual((len(shown), events[listed]["done"]), (2, 0))
+        self.assertLess(listed, shown[0])  # The list by score, what a step leaves, the fits.
+        self.assertLess(shown[0], fitted[0])
+        tables = [decoded((self.folder / f"look/{how}-{name}.bin").read_bytes()) for how in ("step", "fit")]
+        (step, by_step), (fit, by_fit) = tables
+        self.assertEqual((step["how"], fit["how"]), ("linear", "fit"))
+        self.assertAlmostEqual(step["error"], fit["error"], delta=0.1)
+        value = {head["how"]: head["parameters"]["line_delay_s"]["value"] for head in (step, fit)}
+        self.assertAlmostEqual(value["linear"], value["fit"], delta=0.02 * abs(value["fit"]))
+        _, before = decoded((self.folder / "look/rows.bin").read_bytes())
+        apart, moved = (sum((a - b) ** 2 for a, b in zip(other["r:u_px"], by_fit["r:u_px"])) for other in (by_step, before))
+        self.assertLess(apart, 0.05 ** 2 * moved)  # What is drawn.
+        search = json.loads((self.folder / "look/search.json").read_text())
+        self.assertEqual((search["prospects"], search["ended"]), ([], True))
+
+    def test_a_bad_request_says_what_is_wrong(self):
+        with self.page() as page:
+            page.table("rows?version=001")
+            revision = page.state["revision"]
+            for what, content in (("add", b"{"), ("add", b"[]"), ("add", b"{}"), ("add", b"\xff\xfe"), ("cancel", b'"text"'),
+                                  ("add", b'{"revision": "one", "effect": "rolling_shutter"}'),
+                                  ("note", b'{"revision": 1e999, "version": "001", "note": ""}'),
+                                  ("undo", b"[" * 1000 + b"]" * 1000), ("formula/check", b'{"stage": 1}'),
+                                  ("plan", b'{"effects": "rolling_shutter"}'),
+                                  ("leave-out", b'{"revision": %d, "ranges": [[1]], "reason": "x"}' % revision),
+                                  ("leave-out", b'{"revision": %d, "ranges": [[2, 1]], "reason": "x"}' % revision)):
+                answer = page.ask(what, content=content, method="POST")
+                self.assertEqual(answer.status, 400, (what, content, answer.content))
+                self.assertTrue(answer.json["error"], what)
+            for what in ("line?row=x", "line?row=99999999999", "export?what=nothing"):
+                self.assertEqual(page.ask(what).status, 400, what)
+            self.assertEqual(page.ask("selection", content=b'{"ranges": {}}', method="PUT").status, 400)
+            self.assertEqual(page.state["revision"], revision)
+
+    def test_the_session_as_an_archive(self):
+        with self.page() as page:
+            page.looked_at("001")
+            page.change("add", effect="rolling_shutter")
+            formula = {"stage": "geometry", "name": "shift", "text": 'u: "u + k"\nparameters:\n  k: {neutral: 0}\n'}
+            page.change("formula/fit", **formula)
+            page.until(lambda: page.ask("export?what=report").status == 200)
+            packed = page.ask("export?what=session")
+            self.assertIn("session.zip", packed.headers["Content-Disposition"])
+            with zipfile.ZipFile(io.BytesIO(packed.content)) as archive:
+                self.assertIsNone(archive.testzip())
+                names = set(archive.namelist())
+                kept = ["session.json", "left-out.csv", "versions/001.yaml", "versions/002.yaml", "versions/003.yaml",
+                        "effects/003.yaml"]
+                for name in kept:
+                    self.assertEqual(archive.read(f"session/{name}"), (self.session / name).read_bytes())
+                self.assertEqual(archive.read("session/session.sh"), page.ask("script").content)
+                self.assertIn(b"<html", archive.read("session/reports/003.html"))
+            self.assertLessEqual({f"session/{name}" for name in kept} | {"session/session.sh"}, names)
+
+    def test_a_formula_is_proposed(self):
+        thermal = SOURCE / "docs/tutorial/warm_robot.yaml"
+        subprocess.run([SEAM, "measure", "--model", thermal, "--protocol", SOURCE / "docs/tutorial/room", "--seed", "2", "--out",
+                        self.folder / "warm"], check=True, capture_output=True)
+        subprocess.run([SEAM, "add", "rolling_shutter", "--model", self.data / "nominal.yaml", "--data", self.data, "--out",
+                        self.folder / "warm/nominal.yaml"], check=True, capture_output=True)
+        with self.page(self.folder / "warm", "--session", self.session) as page:
+            self.assertIs(page.ask("suggest", {}).json["searched"], False)
+            found = page.until(lambda: (now := page.ask("suggest", {}).json)["searched"] and now)
+            proposal, = found["proposals"]
+            self.assertEqual(proposal["stage"], "geometry")
+            self.assertIn("(u - cx) * t", proposal["formula"])
+            search = page.ask("search?version=001").json
+            self.assertEqual(search["suggestion"]["text"], proposal["text"])
+            self.assertIn("formula", page.version("001")["headline"])
+            written = {key: proposal[key] for key in ("stage", "text")}
+            self.assertIs(page.ask("formula/check", {**written, "name": "warm_lens"}).json["ok"], True)
+            page.change("formula/fit", **written, name="warm_lens")
+            self.assertAlmostEqual(page.looked_at("002")["error"], proposal["error"], delta=0.02)
+
     def test_events_number_and_resume(self):
         with self.page() as page:
             page.table("rows?version=001")
@@ -234,14 +323,6 @@ class Workbench(unittest.TestCase):
             page.change("note", version="001", note="one")
             again = read({"Last-Event-ID": first["id"]})
             self.assertGreater(int(again["id"]), int(first["id"]))
-
-    def test_killed_it_leaves_a_readable_session(self):
-        with self.page() as page:
-            page.table("rows?version=001")
-            page.change("note", version="001", note="kept")
-            page.end(signal.SIGKILL)
-        with self.page() as page:
-            self.assertEqual(page.version("001")["note"], "kept")
 
     def test_who_may_ask(self):
         with self.page(enter=False) as page:
@@ -285,21 +366,6 @@ class Workbench(unittest.TestCase):
             self.assertEqual(answer.json["set"]["title"], "<script>alert(1)</script>")
             self.assertEqual(answer.headers["Content-Type"], "application/json")
             self.assertEqual(answer.headers["X-Content-Type-Options"], "nosniff")
-
-    def test_what_cannot_be_saved_is_said(self):
-        with self.page() as page:
-            page.table("rows?version=001")
-            page.ask("cancel", {})
-            saved = (self.session / "session.json").read_bytes()
-            (self.session / "session.json").unlink()  # As a disk that takes nothing more: no file of that name can be made.
-            (self.session / "session.json").mkdir()
-            refused = page.change("note", version="001", note="lost")
-            self.assertEqual(refused.status, 507)
-            self.assertIn("not saved", refused.json["error"])
-            self.assertEqual(page.version("001")["note"], "")
-            (self.session / "session.json").rmdir()
-            (self.session / "session.json").write_bytes(saved)
-            self.assertEqual(page.change("note", version="001", note="kept").status, 200)
 
     def test_what_it_refuses_at_the_terminal(self):
         for arguments, said in ((["nowhere"], "nowhere"), ([self.folder], "measurement.yaml"),

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "app/bundle/zip_writer.h"
 #include "sim_core/base/output.h"
 
 namespace seam::app {
@@ -15,7 +16,9 @@ namespace seam::app {
 class NpzWriter {
  public:
   // Throws InputError where the file cannot be written.
-  explicit NpzWriter(const std::filesystem::path& file) : file_(file) {}
+  explicit NpzWriter(const std::filesystem::path& file);
+  NpzWriter(const NpzWriter&) = delete;  // The archive writes through it.
+  NpzWriter& operator=(const NpzWriter&) = delete;
 
   // As many values as the shape has; row by row.
   void add(const std::string& name, const std::vector<size_t>& shape, std::span<const double>);
@@ -27,17 +30,11 @@ class NpzWriter {
   void finish();
 
  private:
-  struct Entry {
-    std::string name;
-    uint32_t crc = 0, size = 0, place = 0;
-  };
   void add_array(const std::string& name, const std::string& type, const std::vector<size_t>& shape,
                  std::string_view bytes);
-  void write(std::string_view bytes);
 
   OutputFile file_;
-  std::vector<Entry> entries_;
-  uint64_t written_ = 0;
+  ZipWriter zip_;
 };
 
 }  // namespace seam::app

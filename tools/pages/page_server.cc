@@ -60,6 +60,8 @@ httplib::Server::Handler answered(PageServer::Answer answer) {
           refuse(response, refusal.status(), refusal.what(), refusal.more());
         } catch (const UsageError& error) {
           refuse(response, 400, error.what());
+        } catch (const InputError& error) {
+          refuse(response, 400, error.what());
         } catch (const std::exception& error) {
           refuse(response, 500, error.what());
         }
@@ -105,7 +107,10 @@ PageServer::PageServer(const Settings& settings)
         return httplib::Server::HandlerResponse::Handled;
       });
   server_.set_error_handler([](const httplib::Request&, httplib::Response& response) {
-    if (response.body.empty()) refuse(response, response.status, "there is nothing here");
+    if (!response.body.empty()) return;
+    refuse(response, response.status,
+           response.status == 413 ? "the request is larger than this server takes"
+                                  : "there is nothing here");
   });
   post("/api/enter", [this](const auto& request, auto& response) { enter(request, response); });
   const fs::path folder = page_folder(settings_);

@@ -29,7 +29,8 @@ class PageServer {
   };
   explicit PageServer(const Settings& settings);
 
-  // What is thrown becomes the answer: UsageError 400, Refusal its status, others 500.
+  // What is thrown becomes the answer: UsageError and InputError 400, Refusal its status, others
+  // 500.
   void get(const std::string& path, Answer answer);
   void post(const std::string& path, Answer answer);
   void put(const std::string& path, Answer answer);

@@ -109,7 +109,10 @@ json Desk::version_json(const Version& version) const {
       fields[key] = looked.compare[key];
   }
   if (looked.effects.is_object()) fields["effects"] = looked.effects;
-  if (looked.diagnose.is_object()) fields["verdict"] = looked.diagnose.value("verdict", "");
+  if (looked.diagnose.is_object()) {
+    fields["verdict"] = looked.diagnose.value("verdict", "");
+    fields["headline"] = looked.diagnose.value("headline", "");
+  }
   return fields;
 }
 
@@ -199,11 +202,13 @@ fs::path Desk::model(const std::string& version) {
   return session().model(session().state().version(version).id);
 }
 
-fs::path Desk::computed(const std::string& id, const std::string& name) {
+fs::path Desk::computed(const std::string& id, const std::vector<std::string>& names) {
   const std::lock_guard lock(mutex_);
   const Version& version = session().state().version(id);
-  const fs::path file = session().cache(version.id) / name;
-  if (fs::exists(file)) return file;
+  for (const std::string& name : names) {
+    const fs::path file = session().cache(version.id) / name;
+    if (fs::exists(file)) return file;
+  }
   const Looked& looked = looked_[version.id];
   if (!looked.trouble.empty()) throw Refusal(404, looked.trouble);
   if (looked.cancelled) throw Refusal(404, "the look at this version was cancelled");

@@ -32,9 +32,9 @@ class Desk {
   nlohmann::json state();
   nlohmann::json search(const std::string& version);
   std::string script();
-  // A file of what was computed of a version; empty where it is not there yet. Throws Refusal
-  // where it will not come.
-  std::filesystem::path computed(const std::string& version, const std::string& name);
+  // A file of what was computed of a version, the first of these that is there; empty where none is
+  // yet. Throws Refusal where none will come.
+  std::filesystem::path computed(const std::string& version, const std::vector<std::string>& names);
   std::filesystem::path model(const std::string& version);
   nlohmann::json line(int64_t row);
 

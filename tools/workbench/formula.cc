@@ -105,6 +105,24 @@ std::string formula_file(const std::string& stage, const std::string& name,
   return file;
 }
 
+json with_formula_text(json suggestion) {
+  const std::string yaml = suggestion.value("yaml", "");
+  const std::string key = "    stage: ";
+  const size_t stage = yaml.find("\n" + key);
+  if (stage == std::string::npos) return suggestion;
+  const size_t first = stage + 1 + key.size(), last = yaml.find('\n', first);
+  suggestion["stage"] = yaml.substr(first, last - first);
+  std::string text;
+  for (size_t at = last; at != std::string::npos && at + 1 < yaml.size();) {
+    const size_t end = yaml.find('\n', at + 1);
+    const std::string line = yaml.substr(at + 1, end == std::string::npos ? end : end - at - 1);
+    text += line.substr(std::min<size_t>(4, line.size())) + "\n";
+    at = end;
+  }
+  suggestion["text"] = text;
+  return suggestion;
+}
+
 json formula_checked(const std::string& stage, const std::string& name, const std::string& text) {
   const std::string file = formula_file(stage, name, text);
   try {

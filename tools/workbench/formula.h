@@ -18,4 +18,8 @@ std::string formula_file(const std::string& stage, const std::string& name,
 nlohmann::json formula_checked(const std::string& stage, const std::string& name,
                                const std::string& text);
 
+// What `diagnose` suggests, ready to be edited: also its stage, and the text that stands below it
+// in its file.
+nlohmann::json with_formula_text(nlohmann::json suggestion);
+
 }  // namespace seam::tools

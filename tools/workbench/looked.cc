@@ -3,6 +3,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "tools/workbench/formula.h"
+
 namespace seam::tools {
 
 using nlohmann::json;
@@ -25,11 +27,12 @@ void Looked::read(const std::filesystem::path& folder) {
 
 json search_json(const Looked& looked) {
   json fields = {{"candidates", json::array()},
+                 {"prospects", json::array()},
                  {"ties", json::array()},
                  {"not_testable", json::array()},
                  {"advice", ""},
                  {"ordered_by", ""}};
-  for (const char* key : {"candidates", "ties", "not_testable", "ordered_by"}) {
+  for (const char* key : {"candidates", "prospects", "ties", "not_testable", "ordered_by"}) {
     if (looked.search.is_object() && looked.search.contains(key)) fields[key] = looked.search[key];
   }
   if (looked.diagnose.is_object()) {
@@ -37,6 +40,8 @@ json search_json(const Looked& looked) {
                             "explanation", "unnamed_cause", "outliers"}) {
       if (looked.diagnose.contains(key)) fields[key] = looked.diagnose[key];
     }
+    if (looked.diagnose.contains("suggestion"))
+      fields["suggestion"] = with_formula_text(looked.diagnose["suggestion"]);
   }
   if (looked.cancelled) fields["cancelled"] = true;
   if (!looked.trouble.empty()) fields["trouble"] = looked.trouble;

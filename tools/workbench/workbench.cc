@@ -10,6 +10,7 @@
 #include "tools/workbench/formula.h"
 #include "tools/workbench/look/look.h"
 #include "tools/workbench/places.h"
+#include "tools/workbench/session_archive.h"
 
 namespace seam::tools {
 namespace {
@@ -81,9 +82,9 @@ class Workbench {
   }
 
   void get_file(const std::string& name, const std::string& type,
-                std::function<std::string(const Request&)> file) {
-    server_.get("/api/" + name, [this, type, file](const Request& request, Response& response) {
-      const fs::path path = desk_.computed(request.get_param_value("version"), file(request));
+                std::function<std::vector<std::string>(const Request&)> files) {
+    server_.get("/api/" + name, [this, type, files](const Request& request, Response& response) {
+      const fs::path path = desk_.computed(request.get_param_value("version"), files(request));
       if (path.empty()) return answer_json(response, json::object(), 202);
       response.set_header("Cache-Control", "no-store");
       response.set_content(read_file(path), type);
@@ -112,13 +113,15 @@ class Workbench {
     server_.get("/api/export", [this](const Request& request, Response& response) {
       export_file(request, response);
     });
-    get_file("rows", "application/octet-stream", [](const Request&) { return "rows.bin"; });
-    get_file("data", "application/json", [](const Request&) { return "data.json"; });
-    get_file("preview", "application/octet-stream", [](const Request& request) {
+    using Files = std::vector<std::string>;
+    get_file("rows", "application/octet-stream",
+             [](const Request&) -> Files { return {"rows.bin"}; });
+    get_file("data", "application/json", [](const Request&) -> Files { return {"data.json"}; });
+    get_file("preview", "application/octet-stream", [](const Request& request) -> Files {
       const std::string effect = request.get_param_value("effect");
       if (effect.empty() || effect.find_first_of("/\\") != std::string::npos)
         throw UsageError("effect: expected the name of one");
-      return "fit-" + effect + ".bin";
+      return {"fit-" + effect + ".bin", "step-" + effect + ".bin"};
     });
   }
 
@@ -133,10 +136,10 @@ class Workbench {
     } else if (what == "model") {
       content = read_file(desk_.model(version)), name = version + ".yaml";
     } else if (what == "session") {
-      content = read_file(fs::path(state.value("session", "")) / "session.json");
-      name = "session.json", type = "application/json";
+      content = session_archive(state.value("session", ""), desk_.script());
+      name = "session.zip", type = "application/zip";
     } else if (what == "report") {
-      const fs::path file = desk_.computed(version, "report.html");
+      const fs::path file = desk_.computed(version, {"report.html"});
       if (file.empty()) return answer_json(response, json::object(), 202);
       content = read_file(file), name = "report-" + version + ".html";
     } else {
@@ -185,6 +188,17 @@ class Workbench {
     });
     change("formula/fit", [this](const Body& body) {
       desk_.add_formula(body.revision(), body.text("stage"), body.text("name"), body.text("text"));
+    });
+    server_.post("/api/suggest", [this](const Request&, Response& response) {
+      const json found = desk_.search(desk_.state().value("current", ""));
+      json proposals = json::array();
+      if (found.contains("suggestion")) {
+        json proposal = found["suggestion"];
+        proposal["name"] = proposal["effect"];
+        proposals.push_back(std::move(proposal));
+      }
+      answer_json(response, {{"proposals", std::move(proposals)},
+                             {"searched", found.contains("verdict") || found.contains("trouble")}});
     });
     server_.post("/api/plan", [this](const Request& request, Response& response) {
       // --model M --data D, then what is left out, which a plan does not ask.

@@ -19,7 +19,7 @@ function groupsOf(candidates: Candidate[]) {
 }
 
 export function Candidates({ report }: { report: Report }) {
-  const candidates = [...(report.result.candidates ?? [])].sort((a, b) => a.rank - b.rank);
+  const candidates = [...(report.result.candidates ?? [])].sort((a, b) => (a.rank ?? 0) - (b.rank ?? 0));
   if (candidates.length === 0) return null;
   // What helps, and a few of the others to see the distance.
   const helpful = candidates.filter(helps);

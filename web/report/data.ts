@@ -46,6 +46,17 @@ export interface FigureTable {
   }[];
 }
 
+export interface Suggestion {
+  effect: string;
+  formula?: string;
+  error?: number | null;
+  error_before?: number | null;
+  terms?: string[];
+  beside?: string[];
+  mimics?: string[];
+  yaml?: string;
+}
+
 export interface Result {
   format?: string;
   headline?: string;
@@ -78,7 +89,7 @@ export interface Result {
   outliers?: Outlier[] | { count?: number; items?: Outlier[] };
   not_testable?: { effect: string; parameter?: string; why?: string }[];
   figures?: FigureTable;
-  suggestion?: { effect: string; error?: number | null; terms?: unknown };
+  suggestion?: Suggestion;
   advice?: string;
   modes?: Record<string, Interval>;
   paired?: { difference_mm: number | null; ci95?: number | [number, number] };

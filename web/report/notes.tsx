@@ -6,28 +6,13 @@ import { outlierList, type Outlier, type Report } from "./data";
 import { save } from "../shared/save";
 
 export function Advice({ report }: { report: Report }) {
-  const { advice, suggestion } = report.result;
-  if (!advice && !suggestion) return null;
+  const { advice } = report.result;
+  if (!advice) return null;
   return (
     <section id="advice" class="advice">
-      {advice && <p><strong>What to measure next.</strong> {advice}</p>}
-      {suggestion && (
-        <p>
-          <strong>Proposed effect.</strong> <code>{suggestion.effect}</code>
-          {suggestion.error !== undefined && <> brings the error to {number(suggestion.error, 4)}</>}.
-          {suggestion.terms !== undefined && <pre>{termText(suggestion.terms)}</pre>}
-        </p>
-      )}
+      <p><strong>What to measure next.</strong> {advice}</p>
     </section>
   );
-}
-
-function termText(terms: unknown): string {
-  if (typeof terms === "string") return terms;
-  if (Array.isArray(terms)) {
-    return terms.map((term) => (typeof term === "string" ? term : JSON.stringify(term))).join("\n");
-  }
-  return JSON.stringify(terms, null, 2);
 }
 
 export function NotTestable({ report }: { report: Report }) {

@@ -4,6 +4,7 @@ import { Candidates } from "./candidates";
 import type { Report } from "./data";
 import { Distributions, ErrorFalling, Worth } from "./errors";
 import { Figures } from "./figures";
+import { Formula } from "./formula";
 import { Advice, NotTestable, Outliers, Reproduce, Tables } from "./notes";
 import { Residuals } from "./residuals";
 import { IntervalPlots, Modes, SeriesPlots } from "./series";
@@ -15,6 +16,7 @@ export function Page({ report }: { report: Report }) {
   return (
     <main>
       <Header report={report} />
+      <Formula report={report} />
       <Advice report={report} />
       <Modes report={report} />
       <ErrorFalling report={report} />

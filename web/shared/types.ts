@@ -9,11 +9,13 @@ export type Parameters = Record<string, Value | number>;
 
 export interface Candidate {
   effect: string;
-  rank: number;
+  /** None: it waits for its fit, and a linear step judges it. */
+  rank?: number;
   error: number | null;
   gain: number | null;
   gain_sigma?: number | null;
   loglik_gain?: number | null;
+  log_likelihood_gain?: number | null;
   p_value: number | null;
   parameters?: Parameters;
   indistinguishable_from?: string[];

@@ -146,7 +146,8 @@ export class MockSession {
     const all = [...Object.keys(effects), ...weak].filter((name) => !has.includes(name));
     const candidates = all.slice(0, done).map((name, i) => this.candidate(name, i + 1));
     const tied = ["frame_latency", "exposure"].every((name) => candidates.some((c) => c.effect === name && c.significant));
-    return { version: this.current, candidates, advice: "Swing the head at two more rates: latency and exposure then part.",
+    const prospects = all.slice(candidates.length).map((name) => ({ ...this.candidate(name), log_likelihood_gain: 10 }));
+    return { version: this.current, candidates, prospects, suggestion: this.suggestion, advice: "Swing the head at two more rates: latency and exposure then part.",
       ties: tied ? [{ effects: ["frame_latency", "exposure"], advice: "Swing the head at two more rates." }] : [],
       not_testable: [{ effect: "clock_offset", parameter: "offset_s", why: "the recording lasts 8 s only" }],
       progress: done < all.length ? { done, of: all.length } : null };
@@ -198,7 +199,7 @@ function write(session, path, body) {
     case "formula/fit":
       session.move(session.add(session.current, body.name, `seam add formulas/${body.name}.yaml --model versions/00${session.current}.yaml --data points-a`));
       break;
-    case "suggest": return { status: 200, body: { proposals: [{ stage: "geometry", name: "proposed", text: "u: k * row * pan_rate", error: 1.01 }] } };
+    case "suggest": return { status: 200, body: { searched: true, proposals: [{ stage: "geometry", name: "proposed", text: "u: k * row * pan_rate", error: 1.01 }] } };
     case "plan": return { status: 200, body: { format: "seam-plan/1", effects: ["rolling_shutter", "exposure"].map((effect) => ({ effect,
       parameters: { line_delay_s: { sigma: 6e-7 } }, smallest_found: { line_delay_s: 2.1e-6 },
       ties: effect === "exposure" ? [{ effect: "frame_latency", apart_from: null }] : [] })) } };

@@ -40,6 +40,11 @@ async function checkWords(page, file) {
   const result = JSON.parse(await page.locator("#data").textContent()).result;
   if (result.headline) assert.ok(text.includes(result.headline), `${file}: the command's first line is not on the page`);
   for (const doubt of result.doubts ?? []) assert.ok(text.includes(doubt.trim()), `${file}: not on the page: ${doubt}`);
+  if (result.suggestion) {
+    const shown = await page.locator("#formula").innerText();
+    for (const part of [result.suggestion.formula, "seam add NAME.yaml", ...result.suggestion.beside])
+      assert.ok(shown.includes(part), `${file}: the formula's place does not have ${part}`);
+  }
   for (const table of await page.locator("table.data").all()) {
     const cut = (await table.locator("tbody tr:not(.heading)").allInnerTexts()).map((row) => row.includes("< 10"));
     assert.ok(!cut.some((now, i) => now && cut[i - 1]), `${file}: rows on end say that p is below 1e-300`);

@@ -116,6 +116,9 @@ export function diagnosePoints() {
         ...Array.from({ length: 60 }, (_, i) => ({ file: "points.csv", line: 5210 + i, channel: "u_px", residual: -6.4 - i })),
       ],
       advice: "Swing the head at two more rates: latency and exposure then part.",
+      suggestion: { effect: "proposed", formula: "u: 0.0006 * (u - cx) * t, v: 0.0006 * (v - cy) * t", error: 1.004, error_before: 2.25,
+        terms: ["u: (u - cx) * t"], beside: ["rolling_shutter"], mimics: ["focus_variation"],
+        yaml: "effects:\n  proposed:\n    stage: geometry\n    u: \"u + k * (u - cx) * t\"\n    v: \"v + k * (v - cy) * t\"\n" },
     },
     plots: {
       residuals: [

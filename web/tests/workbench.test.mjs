@@ -185,9 +185,22 @@ async function otherStates(browser) {
   const server = await serve(share, session);
   const { page } = await opened(browser, server, wide);
   assert.match(await page.locator(".progress").innerText(), /2 of 9/);
+  const waiting = page.getByText("by one linear step");
+  assert.ok(await waiting.count() > 0, "what waits for its fit is in the list");
   session.slow = false;
+  session.suggestion = { effect: "proposed", formula: "u: 0.0006 * (u - cx) * t", error: 1.01, error_before: 2.25, beside: ["rolling_shutter"],
+    stage: "geometry", text: "u: \"u + k * (u - cx) * t\"\nparameters:\n  k: {neutral: 0}\n" };
   server.emit("search", session.search());
   await page.getByText("9 tested").waitFor();
+  assert.equal(await waiting.count(), 0, "all are fitted");
+  const formula = page.locator(".proposed");
+  assert.match(await formula.innerText(), /2.25 → 1.01[^]*0.0006 \* \(u - cx\) \* t[^]*beside rolling_shutter/);
+  await fits(page, "Work with a formula", "light");
+  await formula.getByRole("button", { name: /Name it/ }).click();
+  await page.getByLabel("Name", { exact: true }).waitFor();
+  assert.equal(await page.getByLabel("Name", { exact: true }).inputValue(), "proposed");
+  assert.match(await page.locator(".cm-content").innerText(), /\(u - cx\) \* t/);
+  await toScreen(page, "Work");
   ++session.revision;
   await page.getByRole("listbox").focus();
   await page.keyboard.press("ArrowDown");

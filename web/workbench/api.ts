@@ -97,12 +97,12 @@ export async function preview(version: string, effect: string, n: number): Promi
 }
 
 interface WireSearch {
-  candidates: Search["candidates"]; ties: Search["ties"]; not_testable: Search["notTestable"]; progress: Search["progress"];
+  candidates: Search["candidates"]; prospects?: Search["prospects"]; suggestion?: Search["suggestion"]; ties: Search["ties"]; not_testable: Search["notTestable"]; progress: Search["progress"];
   advice: string; version?: string | number; cancelled?: boolean; trouble?: string;
 }
 
-const searchOf = ({ not_testable, candidates, ties, progress, advice, cancelled, trouble }: WireSearch): Search =>
-  ({ candidates, ties, progress, advice, cancelled, trouble, notTestable: not_testable });
+const searchOf = ({ not_testable, prospects, ...same }: WireSearch): Search =>
+  ({ ...same, prospects: prospects ?? [], notTestable: not_testable });
 
 export const search = async (version: string): Promise<Search> =>
   searchOf(await json<WireSearch>(`search?version=${encodeURIComponent(version)}`));
@@ -149,8 +149,13 @@ export const checkFormula = (stage: string, name: string, text: string) =>
   post<Checked>("formula/check", { stage, name, text });
 export const fitFormula = (revision: number, stage: string, name: string, text: string) =>
   stateOf(post("formula/fit", { revision, stage, name, text }));
-export const proposals = async () =>
-  (await post<{ proposals: { stage: string; name: string; text: string; error?: number | null }[] }>("suggest")).proposals;
+export interface Proposals {
+  proposals: { stage: string; name: string; text: string; formula?: string; error?: number | null }[];
+  /** False while the search runs: a formula is sought last. */
+  searched: boolean;
+}
+
+export const proposals = () => post<Proposals>("suggest");
 
 export interface PlanAnswer {
   headline?: string;

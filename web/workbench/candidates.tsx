@@ -6,12 +6,26 @@ import { count, number, withSigma } from "../shared/format";
 import { Gain } from "../shared/parts";
 import { Rich } from "../shared/rich";
 import { asValue, type Candidate, type Parameters } from "../shared/types";
-import { addEffect, point, pointed, restore, searched, sheetOpen, stopSearch } from "./store";
-import type { Search, Tie } from "./model";
+import { edit } from "./formula";
+import type { Search, Suggestion, Tie } from "./model";
+import { addEffect, point, pointed, restore, searched, sheetOpen, stopSearch, version } from "./store";
 
 const allShown = signal(false);
 
 export const helps = (c: Candidate) => c.significant ?? ((c.gain ?? 0) > 0 && (c.p_value ?? 1) < 0.01);
+
+const gainOf = (c: Candidate) => c.log_likelihood_gain ?? -Infinity;
+
+/** Those that were fitted in their order, and those that wait where their score puts them. */
+export function ranked({ candidates, prospects }: Search): Candidate[] {
+  const all = [...candidates];
+  for (const one of prospects) {
+    if (all.some((c) => c.effect === one.effect)) continue;
+    const at = all.findIndex((c) => gainOf(c) < gainOf(one));
+    all.splice(at < 0 ? all.length : at, 0, one);
+  }
+  return all;
+}
 
 interface Block {
   items: Candidate[];
@@ -35,7 +49,8 @@ function blocksOf(candidates: Candidate[], ties: Tie[]): Block[] {
 export function Candidates() {
   const search = searched.value;
   if (!search) return <p class="empty">No search has run on this version yet.</p>;
-  const strong = search.candidates.filter(helps), weak = search.candidates.filter((c) => !helps(c));
+  const all = ranked(search);
+  const strong = all.filter(helps), weak = all.filter((c) => !helps(c));
   return (
     <section class="candidates" aria-label="Candidates">
       <header class="side-head">
@@ -46,6 +61,7 @@ export function Candidates() {
       <p class="hint">Ordered by the log-likelihood of held-out groups. Point to preview, Enter adds.</p>
       <List blocks={[...blocksOf(strong, search.ties), ...(allShown.value ? blocksOf(weak, search.ties) : [])]}
         strong={strong.length} done={search.progress === null} />
+      {search.suggestion && <Formula found={search.suggestion} />}
       {weak.length > 0 && (
         <button type="button" class="link" aria-expanded={allShown.value} onClick={() => (allShown.value = !allShown.value)}>
           {allShown.value ? "hide" : "and"} {weak.length} without a gain that noise would not bring
@@ -67,6 +83,19 @@ function Progress({ search }: { search: Search }) {
       {of ? `${count(done)} of ${count(of)}` : "searching"}
       <button type="button" class="link" onClick={stopSearch}>cancel</button>
     </span>
+  );
+}
+
+/** The formula that explains what no effect does: to be named and edited before it is added. */
+function Formula({ found }: { found: Suggestion }) {
+  const missing = (found.beside ?? []).filter((name) => !(name in (version.value?.effects ?? {})));
+  return (
+    <div class="proposed">
+      <div class="line"><b>A formula</b><span class="num quiet">error {number(found.error_before, 3)} → {number(found.error, 3)}</span></div>
+      <code class="effect">{found.formula}</code>
+      {missing.length > 0 && <p class="small quiet">It was found beside {missing.join(", ")}: add {missing.length === 1 ? "this" : "these"} first.</p>}
+      <button type="button" onClick={() => edit({ ...found, name: found.effect })}>Name it and add …</button>
+    </div>
   );
 }
 
@@ -111,6 +140,7 @@ function List({ blocks, strong, done }: { blocks: Block[]; strong: number; done:
 
 function Option({ candidate: c, weak = false }: { candidate: Candidate; weak?: boolean }) {
   const chosen = pointed.value === c.effect;
+  const waits = c.rank === undefined;
   return (
     <div id={idOf(c.effect)} role="option" aria-selected={chosen} class={`option${weak ? " weak" : ""}`}
       onPointerEnter={(e) => e.pointerType === "mouse" && point(c.effect, false)}
@@ -125,7 +155,7 @@ function Option({ candidate: c, weak = false }: { candidate: Candidate; weak?: b
       </div>
       <div class="line small">
         <Values parameters={c.parameters} />
-        <span class="num quiet">error {number(c.error, 3)}</span>
+        <span class="num quiet">error {number(c.error, 3)}{waits && " by one linear step"}</span>
       </div>
       {Object.keys(c.with ?? {}).length > 0 && <div class="small">together with {Object.keys(c.with!).join(", ")}</div>}
       {(c.stands_in_for ?? []).length > 0 && <div class="small quiet">alone it stands in for {c.stands_in_for!.join(", ")}</div>}

@@ -4,7 +4,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { number } from "../shared/format";
 import * as api from "./api";
 import { makeEditor, type Editor } from "./editor";
-import { applyFormula, busy, version } from "./store";
+import { applyFormula, busy, screen, searched, version } from "./store";
 
 const stages = signal<api.Stage[] | null>(null);
 const stage = signal("");
@@ -12,7 +12,15 @@ const name = signal("my_effect");
 const text = signal("");
 const checked = signal<api.Checked | null>(null);
 const failed = signal("");
-const proposed = signal<Awaited<ReturnType<typeof api.proposals>> | null>(null);
+const proposed = signal<api.Proposals | null>(null);
+
+/** Puts a formula into the editor and shows it. */
+export function edit(formula: { stage: string; name: string; text: string }): void {
+  stage.value = formula.stage;
+  name.value = formula.name;
+  text.value = formula.text;
+  screen.value = "formula";
+}
 
 async function read(): Promise<void> {
   try {
@@ -111,21 +119,21 @@ function Variables({ stage: now }: { stage?: api.Stage }) {
 
 function Proposals() {
   const ask = () => api.proposals().then((all) => (proposed.value = all), (error: Error) => (failed.value = error.message));
+  // With the verdict of the search comes its formula, too.
+  const ended = searched.value?.progress === null;
+  useEffect(() => void ask(), [version.value?.id, ended]);
+  const found = proposed.value;
   return (
     <section>
-      <header class="side-head"><h2>Proposed from the residuals</h2>
-        <button type="button" onClick={ask}>Propose</button></header>
-      {proposed.value === null ? <p class="empty">SEAM can search for a short formula that fits what remains.</p>
-        : proposed.value.length === 0 ? <p class="empty">No formula is supported by these residuals.</p> : (
+      <header class="side-head"><h2>Proposed from the residuals</h2></header>
+      {!found?.searched ? <p class="empty" role="status">The search is running. It looks for a formula last, where no effect explains
+        the residuals.</p>
+        : found.proposals.length === 0 ? <p class="empty">No formula is supported by these residuals, or none is needed.</p> : (
           <ul class="proposals">
-            {proposed.value.map((one, i) => (
+            {found.proposals.map((one, i) => (
               <li key={i}><pre>{one.text}</pre>
                 <span class="quiet num">{one.stage}{one.error != null && `, error ${number(one.error, 4)}`}</span>
-                <button type="button" onClick={() => {
-                  stage.value = one.stage;
-                  name.value = one.name;
-                  text.value = one.text;
-                }}>Edit</button></li>
+                <button type="button" onClick={() => edit(one)}>Edit</button></li>
             ))}
           </ul>
         )}

@@ -95,8 +95,25 @@ export interface Tie {
   advice: string;
 }
 
+/** A formula that explains what no effect of the catalogue does. */
+export interface Suggestion {
+  /** Its name in `yaml`; a person gives it another. */
+  effect: string;
+  formula: string;
+  error: number | null;
+  error_before: number | null;
+  /** Effects that the search found and that the formula was fitted with. */
+  beside?: string[];
+  stage: string;
+  /** What stands below the stage in a file of effects. */
+  text: string;
+}
+
 export interface Search {
   candidates: Candidate[];
+  /** Candidates that wait for their fit, as one linear step judges them; the best first. */
+  prospects: Candidate[];
+  suggestion?: Suggestion;
   ties: Tie[];
   notTestable: { effect: string; parameter?: string; why?: string }[];
   /** Null when the search has ended. */

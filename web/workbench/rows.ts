@@ -10,6 +10,30 @@ export interface Residuals {
   s: Map<string, Numbers>;
 }
 
+/**
+ * Rows by rising value, equal ones as they stand: a radix sort in two passes of 16 bits. Sorting 100,000 rows by comparing them
+ * stalls a page for a tenth of a second, this for a few milliseconds.
+ */
+function orderOf(values: Numbers): Uint32Array {
+  const keys = new Uint32Array(values.length), bits = new Uint32Array(new Float32Array(values).buffer);
+  let order = new Uint32Array(values.length), n = 0;
+  for (let i = 0; i < values.length; ++i) {
+    if (!Number.isFinite(values[i])) continue;
+    // As whole numbers in the order of the values; -0 equals 0.
+    keys[i] = values[i] < 0 ? ~bits[i] : bits[i] | 0x80000000;
+    order[n++] = i;
+  }
+  order = order.subarray(0, n);
+  for (const shift of [0, 16]) {
+    const starts = new Uint32Array(65537), next = new Uint32Array(n);
+    for (let k = 0; k < n; ++k) ++starts[((keys[order[k]] >>> shift) & 65535) + 1];
+    for (let digit = 0; digit < 65536; ++digit) starts[digit + 1] += starts[digit];
+    for (let k = 0; k < n; ++k) next[starts[(keys[order[k]] >>> shift) & 65535]++] = order[k];
+    order = next;
+  }
+  return order;
+}
+
 export class Rows {
   readonly n: number;
   private readonly columns: Map<string, Numbers>;
@@ -55,10 +79,7 @@ export class Rows {
   order(name: string): Uint32Array {
     let order = this.orders.get(name);
     if (!order) {
-      const values = this.column(name)!;
-      const known: number[] = [];
-      for (let i = 0; i < this.n; ++i) if (Number.isFinite(values[i])) known.push(i);
-      order = Uint32Array.from(known).sort((a, b) => values[a] - values[b] || a - b);
+      order = orderOf(this.column(name)!);
       this.orders.set(name, order);
     }
     return order;

@@ -97,6 +97,7 @@ async function fetchPreview(name: string, again = false): Promise<void> {
   try {
     const answer = await api.preview(now.version, name, now.rows.n);
     if (answer === null) return; // Being fitted; an event comes when it is there.
+    if (answer.how === "linear" && previews.value.get(key)?.how === "fit") return; // An answer that was overtaken.
     previews.value = new Map(previews.value).set(key, { ...answer, effect: name });
   } catch (error) {
     previews.value = new Map(previews.value).set(key, { effect: name, residuals: null, error: null, parameters: {}, how: "failed",
@@ -163,7 +164,7 @@ export function take(next: Session): void {
     session.value = next;
     if (other) {
       restore();
-      searched.value = next.set ? { candidates: [], ties: [], notTestable: [], progress: { done: 0, of: 0 }, advice: "" } : null;
+      searched.value = next.set ? { candidates: [], prospects: [], ties: [], notTestable: [], progress: { done: 0, of: 0 }, advice: "" } : null;
     }
     if (!next.set) screen.value = "open";
     else if (opened && screen.value === "open") screen.value = "work"; // Events come while a person looks for another set.

@@ -1,7 +1,7 @@
 // The screen of work: what matters, where the model fails, what could explain it, and plots that follow.
 import { number, splitUnit, words } from "../shared/format";
 import { Rich } from "../shared/rich";
-import { Candidates, helps, valueText } from "./candidates";
+import { Candidates, helps, ranked, valueText } from "./candidates";
 import { Chosen } from "./chosen";
 import { Head } from "./head";
 import { Plots } from "./plots/plots";
@@ -30,7 +30,7 @@ export function WorkScreen() {
 
 /** On a narrow page the candidates lie in a sheet at the bottom; this is what is seen of it when it is closed. */
 function SheetHandle() {
-  const best = searched.value?.candidates.find(helps);
+  const best = searched.value ? ranked(searched.value).find(helps) : undefined;
   const progress = searched.value?.progress;
   return (
     <button type="button" class="sheet-handle" aria-expanded={sheetOpen.value} onClick={() => (sheetOpen.value = !sheetOpen.value)}>
