@@ -93,7 +93,7 @@ class OpenR(Case):
         self.assertIn("SWINGHD.BIN from", said)
         summary, said, log = self.run_for(out, 3)
         self.assertEqual(summary["end"], "finished")
-        self.assertRegex(said, r"SwingHead: swung for \d+ ms")
+        self.assertRegex(said, r"SwingHead: sent commands for \d+ ms")
         pan = self.joint_angles(log, "pan")
         # 60 degrees x sin in 4 s: to one end after 1 s, to the other after 3 s; the servo lags a little.
         self.assertAlmostEqual(pan[min(pan, key=lambda t: abs(t - 1))], 1.047, delta=0.02)
@@ -185,7 +185,7 @@ class OpenR(Case):
             (folder / name).write_text(text)
         out, _ = self.build(program)
         _, said, _ = self.run_for(out, 1)
-        self.assertRegex(said, r"SwingHead: swung for \d+ ms")
+        self.assertRegex(said, r"SwingHead: sent commands for \d+ ms")
         (folder / "SwingHeadStub.cc").write_text(BY_HAND["SwingHeadStub.cc"].replace("ObjectEntryTable[]", "Table[]"))
         out, _ = self.build(program)
         self.assertIn("has no ObjectEntryTable", seam("run", out / "scenario.yaml", code=1))

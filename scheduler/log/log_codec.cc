@@ -224,7 +224,7 @@ LogRecord decode(Topic topic, std::string_view bytes, const Robots& robots) {
     SEAM_LOG_MESSAGES(SEAM_DECODE)
 #undef SEAM_DECODE
   }
-  check_failed(__FILE__, __LINE__, "topic", std::to_string(static_cast<int>(topic)));
+  check_failed(__FILE_NAME__, __LINE__, "topic", std::to_string(static_cast<int>(topic)));
 }
 
 std::string descriptor_set_of(std::string_view message_name) {

@@ -34,8 +34,8 @@ std::string suggestion_for(std::string_view unknown, const std::vector<std::stri
 
 }  // namespace seam
 
-#define SEAM_CHECK(condition, ...)                                                         \
-  do {                                                                                     \
-    if (!(condition))                                                                      \
-      ::seam::check_failed(__FILE__, __LINE__, #condition, ::fmt::format("" __VA_ARGS__)); \
+#define SEAM_CHECK(condition, ...)                                                              \
+  do {                                                                                          \
+    if (!(condition))                                                                           \
+      ::seam::check_failed(__FILE_NAME__, __LINE__, #condition, ::fmt::format("" __VA_ARGS__)); \
   } while (false)

@@ -57,7 +57,9 @@ Outcome verify(const VerifySettings& settings) {
     if (!other_pixels.empty()) outcome.found.not_compared.push_back(other_pixels);
     return outcome;
   } catch (const InputError& error) {
-    return damaged(error.what());
+    std::string what = error.what();  // Most of these name the file first, as the command does.
+    if (what.starts_with(settings.file + ": ")) what.erase(0, settings.file.size() + 2);
+    return damaged(what);
   }
 }
 

@@ -46,7 +46,7 @@ OStatus SwingHead::DoStop(const OSystemEvent&) {
   running_ = false;
   DISABLE_ALL_SUBJECT;
   DEASSERT_READY_TO_ALL_OBSERVER;
-  OSYSPRINT(("SwingHead: swung for %d ms\n", static_cast<int>(time_s_ * 1000)));
+  OSYSPRINT(("SwingHead: sent commands for %d ms\n", static_cast<int>(time_s_ * 1000)));
   return oSUCCESS;
 }
 
