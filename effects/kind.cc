@@ -16,6 +16,7 @@ const std::vector<KindFacts>& kinds() {
       {kRanges, "ranges", "trial", {}},
       {kFrames, "frames", "frame", {}},
       {kOutcomes, "outcomes", "scenario", {}},
+      {Kind{256}, "imu", "run", {}},  // kImu of stages/inertial/inertial.h.
   };
   return all;
 }
@@ -34,9 +35,9 @@ std::vector<std::string> kind_names() {
 }
 
 std::string to_string(Stage stage) {
-  static const char* const kNames[] = {"timing",     "joint",  "mount",           "geometry",
-                                       "radiometry", "light",  "sensor",          "detector",
-                                       "locomotion", "target", "corner_detector", "scenario"};
+  static const char* const kNames[] = {
+      "timing",   "joint",      "mount",  "geometry",        "radiometry", "light",   "sensor",
+      "detector", "locomotion", "target", "corner_detector", "scenario",   "inertial"};
   return kNames[static_cast<int>(stage)];
 }
 

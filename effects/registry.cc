@@ -113,7 +113,26 @@
   X(tracker_offset)           \
   X(tracker_turn)             \
   X(walk_noise)               \
-  X(pose_noise)
+  X(pose_noise)               \
+  X(gyro_white_noise)         \
+  X(gyro_bias_instability)    \
+  X(gyro_random_walk)         \
+  X(gyro_quantisation)        \
+  X(gyro_scale)               \
+  X(gyro_misalignment)        \
+  X(gyro_g_sensitivity)       \
+  X(gyro_temperature)         \
+  X(gyro_bias)                \
+  X(gyro_saturation)          \
+  X(accel_white_noise)        \
+  X(accel_bias_instability)   \
+  X(accel_random_walk)        \
+  X(accel_quantisation)       \
+  X(accel_scale)              \
+  X(accel_misalignment)       \
+  X(accel_temperature)        \
+  X(accel_bias)               \
+  X(accel_saturation)
 
 namespace seam::effects {
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "app/exchange/camera_files.h"
+#include "app/exchange/imu_files.h"
 #include "app/exchange/model_json.h"
 #include "app/exchange/servo_files.h"
 #include "effects/questions.h"
@@ -274,6 +275,12 @@ const std::vector<ExchangeFormat>& exchange_formats() {
        .help = "a joint's dynamics and limits for a URDF",
        .text_of_servo = urdf_text,
        .holds_servo = urdf_holds},
+      {.name = "kalibr-imu",
+       .help = "an imu.yaml: white noise and random walk of gyroscope and accelerometer",
+       .text_of_imu = kalibr_imu_text},
+      {.name = "vins-imu",
+       .help = "the same for the YAML of VINS-Mono and VINS-Fusion: acc_n, gyr_n, acc_w, gyr_w",
+       .text_of_imu = vins_imu_text},
       {.name = "json", .help = "all of the model, with its sigmas", .text_of_all = json_text}};
   return formats;
 }
@@ -286,6 +293,7 @@ Exported export_model(const Model& model, const ExchangeFormat& format,
   if (format.text_of_all != nullptr)
     return {.text = format.text_of_all(model), .form = "", .notes = {}};
   if (format.text_of_servo != nullptr) return export_servo(model, format, options);
+  if (format.text_of_imu != nullptr) return export_imu(model, format, options);
   return Exporter(model, format, options).run();
 }
 

@@ -37,6 +37,8 @@ struct ServoGains {
   std::vector<double> values;  // Ascending.
 };
 
+struct PlainImu;  // imu_files.h
+
 struct ExchangeFormat {
   std::string name;  // Of `--to`.
   std::string help;
@@ -51,6 +53,8 @@ struct ExchangeFormat {
                                const ServoGains& gains) = nullptr;
   bool (*holds_servo)(const effects::ServoModel& servo) = nullptr;
   bool holds_gain = false;
+  // Of a format that holds the noise of inertial sensors.
+  std::string (*text_of_imu)(const PlainImu& imu) = nullptr;
 };
 
 const std::vector<ExchangeFormat>& exchange_formats();
@@ -60,6 +64,7 @@ struct ExportOptions {
   std::vector<std::string> drop;    // Names of effects, or "all".
   std::string form;                 // Of the lens, by name_of; empty: whichever fits.
   ServoGains gains;
+  double rate_hz = 0;  // Of inertial sensors; 0: not known.
 };
 
 struct Exported {

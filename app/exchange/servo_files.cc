@@ -104,6 +104,8 @@ bool is_listed(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+}  // namespace
+
 void check_drops(const Model& model, const ExportOptions& options) {
   std::vector<std::string> names;
   for (const ModelEffect& effect : model.effects()) names.push_back(effect.definition->name);
@@ -114,11 +116,9 @@ void check_drops(const Model& model, const ExportOptions& options) {
       throw InputError(fmt::format("--drop {}: the model has no such effect{}", name,
                                    suggestion_for(name, names)));
     if (!effect->definition->has_neutral)
-      throw InputError(fmt::format("--drop {}: a servo is nothing without it", name));
+      throw InputError(fmt::format("--drop {}: the file is nothing without it", name));
   }
 }
-
-}  // namespace
 
 bool mjcf_holds(const ServoModel& servo) {
   return is_simple(servo) && !std::isfinite(servo.rad_per_s);

@@ -18,6 +18,9 @@ std::string urdf_text(const effects::Model& model, const effects::ServoModel& se
 bool mjcf_holds(const effects::ServoModel& servo);
 bool urdf_holds(const effects::ServoModel& servo);
 
+// Throws InputError for names in `drop` that the model does not have or cannot be without.
+void check_drops(const effects::Model& model, const ExportOptions& options);
+
 // As export_model, of formats that hold servos.
 Exported export_servo(const effects::Model& model, const ExchangeFormat& format,
                       const ExportOptions& options);

@@ -138,6 +138,19 @@ const std::vector<ImportKind>& import_kinds() {
              return look.ends({".jsonl"}) || (look.has_column(servo_names().commands) &&
                                               look.has_column(servo_names().measured));
            }},
+      {.name = "imu",
+       .help = "readings of a gyroscope, an accelerometer or both, CSV, a file a run",
+       .options = {"map", "unit", "time-unit"},
+       .quantities = {"time", "gx", "gy", "gz", "ax", "ay", "az", "temperature"},
+       .own_units = true,
+       .fill = import_imu,
+       .what = "readings of inertial sensors",
+       .also = {"inertial", "gyro", "gyroscope", "accelerometer", "mpu6050"},
+       .looks =
+           [](const FileLook& look) {
+             return look.has_column({"gx", "gyro_x", "gyr_x", "wx", "w_RS_S_x", "wx_radps"}) ||
+                    look.has_column({"ax", "acc_x", "accel_x", "a_RS_S_x", "ax_mps2"});
+           }},
       {.name = "ros",
        .help =
            "a bag of ROS 2 (MCAP) or ROS 1: states of controllers, joints or a walk with commands, "

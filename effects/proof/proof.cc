@@ -4,10 +4,12 @@
 #include <cmath>
 
 #include "effects/catalogue_help.h"
+#include "effects/proof/inertial_outcome.h"
 #include "effects/questions.h"
 #include "effects/registry.h"
 #include "effects/stages/detector.h"
 #include "effects/stages/geometry.h"
+#include "effects/stages/inertial/inertial.h"
 #include "effects/stages/joint_track.h"
 #include "effects/stages/noise.h"
 #include "effects/stages/optics.h"
@@ -22,15 +24,6 @@ namespace seam::effects {
 namespace {
 
 constexpr int kWidth_px = 178, kHeight_px = 144;
-
-using Quantities = std::vector<Quantity>;
-
-double value_of(const Quantities& list, const std::string& name, double otherwise = 0) {
-  for (const Quantity& quantity : list) {
-    if (quantity.name == name) return quantity.value;
-  }
-  return otherwise;
-}
 
 std::vector<double> series_of(const Quantities& list, const std::string& name) {
   std::vector<double> series;
@@ -284,6 +277,7 @@ Quantities target_outcome(const Model& model, const Quantities& given) {
 }
 
 Quantities outcome(Stage stage, const Model& model, const Quantities& given) {
+  if (stage == kInertial) return inertial_outcome(model, given);
   switch (stage) {
     case Stage::timing:
       return timing_outcome(model, given);

@@ -3,7 +3,9 @@
 // takes its own from what the effects of a model add up to.
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "effects/model.h"
@@ -40,6 +42,30 @@ struct MovingNoise {
   }
 };
 
+// What is wrong with a gyroscope or an accelerometer (stages/inertial/inertial.h).
+inline constexpr double kNever = std::numeric_limits<double>::infinity();
+using Triad = std::array<double, 3>;  // By axis.
+
+struct InertialSensor {
+  Triad bias{};                  // At kBiasAt_c.
+  Triad per_k{};                 // Change of the bias a kelvin.
+  Triad scale{};                 // Relative error.
+  std::array<Triad, 3> cross{};  // What an axis (the first) has of the others; no diagonal.
+  double most = kNever;          // The end of its range.
+  Triad white{};                 // Density of white noise, unit / sqrt(Hz): N.
+  Triad flicker{};   // Bias instability, unit: B; the flat of the Allan deviation is 0.664 of it.
+  Triad walk{};      // Density of a random walk of the bias, unit / s / sqrt(Hz): K.
+  Triad rounding{};  // Rounding of what the sensor adds up before it reports it, unit * s: Q.
+};
+
+// Biases are those at this temperature.
+inline constexpr double kBiasAt_c = 25;
+
+struct Inertial {
+  InertialSensor gyro, accel;
+  Triad gyro_per_force{};  // Of a gyroscope's axis by the force along it, (rad/s) / (m/s^2).
+};
+
 struct Noise {
   // Of one landmark in one run.
   std::vector<Wander> range, bearing;
@@ -51,6 +77,7 @@ struct Noise {
   Few range_tail;               // Ranges that are too long by an exponential.
   Few point_scatter;            // Points with a further normal error.
   std::vector<MovingNoise> pose;
+  Inertial inertial;  // All that is wrong with a gyroscope and an accelerometer.
 
   bool hangs_together() const {
     return !range.empty() || !bearing.empty() || !heading.empty() || !joint.empty() ||

@@ -17,7 +17,8 @@
   X(odometry)         \
   X(ranges)           \
   X(frames)           \
-  X(outcomes)
+  X(outcomes)         \
+  X(imu)
 
 namespace seam::measurement {
 

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "effects/registry.h"
+#include "measurement/report/curves/curves_told.h"
 #include "measurement/report/data_pictures.h"
 #include "measurement/report/finite_or_null.h"
 #include "measurement/report/lens_map.h"
@@ -197,6 +198,8 @@ std::string document(const Problem& problem, const ReportHeader& header, const S
   MeasurementSet set = MeasurementSet::open(header.data_folder);
   set.left_out = header.left_out;
   append_data_pictures(problem, set, before, after ? &*after : nullptr, plots);
+  append_curves(problem, stages.before->model, stages.after ? &stages.after->model : nullptr,
+                plots);
   const Assessment& shown = stages.after ? *stages.after : *stages.before;
   const Facts& facts = problem.facts();
   if (facts.width_px > 0 && !shown.unknowns.empty()) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "measurement/report/curves/curves_told.h"
 #include "measurement/report/figures_told.h"
 #include "measurement/report/headline.h"
 #include "measurement/report/target_told.h"
@@ -180,7 +181,8 @@ std::string compare_text(const Problem& problem, const CompareResult& result,
   text += result.structure.empty()
               ? result.traces.empty() ? "no significant structure\n" : "no structure that matters\n"
               : "structure of the residuals:\n" + structure_lines(problem, base, result.structure);
-  return text + traces_text(problem.facts(), result.traces, {}) + figures_text(problem, base);
+  return text + traces_text(problem.facts(), result.traces, {}) + figures_text(problem, base) +
+         curves_text(problem, base.model);
 }
 
 std::string diagnose_text(const Problem& problem, const SearchResult& result,
@@ -208,7 +210,8 @@ std::string diagnose_text(const Problem& problem, const SearchResult& result,
   text += findings_text(problem, result.best.assessment);
   const std::string advice = advice_for(problem, result);
   if (!advice.empty()) text += "advice: " + advice + "\n";
-  return text + figures_text(problem, result.base.assessment);
+  return text + figures_text(problem, result.base.assessment) +
+         curves_text(problem, result.base.assessment.model);
 }
 
 std::string discover_text(const Problem& problem, const SearchResult& result,
@@ -248,7 +251,8 @@ std::string discover_text(const Problem& problem, const SearchResult& result,
   if (result.verdict == "unexplained_structure")
     text += structure_lines(problem, result.best.assessment, result.remaining);
   return text + traces_text(problem.facts(), result.remaining_traces, result.last_traces) +
-         figures_text(problem, result.best.assessment);
+         figures_text(problem, result.best.assessment) +
+         curves_text(problem, result.best.assessment.model);
 }
 
 }  // namespace seam::measurement

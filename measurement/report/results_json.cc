@@ -2,6 +2,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "measurement/report/curves/curves_told.h"
 #include "measurement/report/figures_told.h"
 #include "measurement/report/finite_or_null.h"
 #include "measurement/report/headline.h"
@@ -47,6 +48,7 @@ void add_notes(ordered_json& json, const Problem& problem, const Model& model) {
 
 // The figures of a field's standard, and those that a model gives instead.
 void add_figures(ordered_json& json, const Problem& problem, const Assessment& assessment) {
+  add_curves(json, problem, assessment.model);
   const FigureTable table = figure_table(problem, assessment);
   if (table.figures.empty()) return;
   ordered_json figures = ordered_json::array(), curve = ordered_json::array();

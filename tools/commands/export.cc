@@ -4,6 +4,7 @@
 
 #include "app/exchange/exchange.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/numerics/robust.h"
 #include "measurement/sets/set.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
@@ -40,11 +41,26 @@ app::ServoGains gains_of(const measurement::MeasurementSet& set) {
   return gains;
 }
 
+// Samples a second of a set of inertial sensors.
+double rate_of(const measurement::MeasurementSet& set) {
+  const auto time_ns = set.table("imu").times_ns("time_s");
+  std::vector<int64_t> steps_ns;
+  for (size_t i = 1; i < time_ns.size(); ++i) steps_ns.push_back(time_ns[i] - time_ns[i - 1]);
+  const double step_ns =
+      steps_ns.empty() ? 0 : static_cast<double>(measurement::median_of(steps_ns));
+  return step_ns > 0 ? 1e9 / step_ns : 0;
+}
+
 app::ExportOptions options_of(const ExportFlags& flags, const app::ExchangeFormat& format) {
   app::ExportOptions options{.drop = flags.drop, .form = flags.form};
   if (format.text_of_servo != nullptr) {
     if (!flags.data.empty())
       options.gains = gains_of(measurement::MeasurementSet::open(flags.data));
+    return options;
+  }
+  if (format.text_of_imu != nullptr) {
+    if (!flags.data.empty())
+      options.rate_hz = rate_of(measurement::MeasurementSet::open(flags.data));
     return options;
   }
   if (!flags.size.empty()) {
@@ -69,7 +85,7 @@ app::ExportOptions options_of(const ExportFlags& flags, const app::ExchangeForma
 std::string formats_help() {
   std::string help = "Formats:\n";
   for (const app::ExchangeFormat& format : app::exchange_formats())
-    help += fmt::format("  {:8} {}\n", format.name, format.help);
+    help += fmt::format("  {:10} {}\n", format.name, format.help);
   return help;
 }
 
@@ -87,7 +103,8 @@ void add_export(app::Command app) {
                      "printed; 'all': all of them; may be given several times");
   command.add_option("--size", flags->size, "Of the image, WIDTHxHEIGHT in pixels");
   command.add_option("--data", flags->data,
-                     "A measurement set: its camera has the size, its servo's log the gain");
+                     "A measurement set: its camera has the size, its servo's log the gain, its "
+                     "inertial sensors the rate");
   command.add_option("--form", flags->form,
                      "Of the lens: ordinary, rational or fisheye, where the format has it");
   command.footer(

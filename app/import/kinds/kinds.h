@@ -20,6 +20,7 @@ void import_emva1288(const ImportRequest& request, SetDraft& draft);
 void import_flats(const ImportRequest& request, SetDraft& draft);
 void import_log(const ImportRequest& request, SetDraft& draft);
 void import_wheels(const ImportRequest& request, SetDraft& draft);
+void import_imu(const ImportRequest& request, SetDraft& draft);
 void import_ros(const ImportRequest& request, SetDraft& draft);
 
 }  // namespace seam::app

@@ -1,0 +1,78 @@
+// Kind `imu`: gyroscope and accelerometer at rest, or turned at known rates.
+//
+// Rows are of two sorts. A mean is what a stretch reads on an axis: the true rate or force as the
+// sensors' means have it. A power is that of a band of lines (noise_lines.h): its cube root is
+// nearly normal (Wilson and Hilferty 1931), with an error that does not depend on the model. So
+// effects of noise move the mean of powers, and all effects are fitted and compared alike.
+#pragma once
+
+#include "effects/stages/inertial/inertial.h"
+#include "measurement/kinds/imu/noise_lines.h"
+#include "measurement/kinds/kinds.h"
+#include "measurement/problem/curves.h"
+
+namespace seam::measurement {
+
+// Powers closer than this are not told apart, however many lines they are the mean of: 1 % of the
+// amplitude. Filters and resonances of real sensors make ripples of this size.
+inline constexpr double kPowerAccuracy = 0.02;
+
+class ImuProblem : public Problem, public HasCurves {
+ public:
+  explicit ImuProblem(const MeasurementSet& set);
+
+  Evaluation evaluate(const Model& model, const Groups& groups,
+                      const Evaluation* warm = nullptr) const override;
+  // All errors are independent, and no nuisance follows.
+  std::vector<std::vector<double>> following(
+      const Model&, const Groups&, const Evaluation&,
+      std::vector<std::vector<double>> columns) const override {
+    return columns;
+  }
+  void check_model(const Model& model) const override;
+  std::string not_testable(const Model& model, const EffectDefinition& effect,
+                           size_t parameter) const override;
+  bool is_smooth(const Model&) const override { return true; }
+  std::vector<char> find_outliers(const Model&) const override {
+    return std::vector<char>(facts_.scalars(), 0);
+  }
+  std::string no_outliers_because() const override {
+    return "noise is told by powers of many samples, in which a single one does not show";
+  }
+  std::vector<Curve> curves(const Model& model) const override;
+
+ private:
+  struct Row {
+    enum class What { mean, per_k, gravity, power } what = What::mean;
+    size_t stretch = 0, axis = 0, part = 0;
+    double observed = 0, sigma = 0;
+    double freedom = 0;          // Of a power,
+    size_t first = 0, last = 0;  // its lines.
+  };
+  void add_rows(const MeasurementSet& set);
+  void add_means(size_t stretch, size_t part, const std::string& group);
+  void add_power(const NoiseBand& band, size_t axis, const std::string& group);
+  void add_row(Row row, const std::string& channel, const std::string& group);
+  void add_covariates();
+  bool sees_attitudes() const;
+  bool turns() const;
+  bool warmth_changes() const;
+  std::string lacking(const effects::Inertial& by) const;
+  double predicted(const Row& row, const effects::Inertial& inertial) const;
+  double power_ratio(const Row& row, const effects::Inertial& inertial) const;
+  double reading_of(const Row& row, const effects::Inertial& inertial, double warmer_k) const;
+  double force_size(const Row& row, const effects::Inertial& inertial) const;
+  const effects::InertialSensor& sensor(const effects::Inertial& inertial, size_t axis) const {
+    return axis < 3 ? inertial.gyro : inertial.accel;
+  }
+
+  ImuData data_;
+  std::array<AxisNoise, kImuAxes> noise_;
+  std::array<double, kImuAxes> stated_{};  // White noise of a sample beside the model's.
+  bool attitudes_ = false;
+  std::vector<Row> rows_;
+};
+
+void measure_imu(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options);
+
+}  // namespace seam::measurement

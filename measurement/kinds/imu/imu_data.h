@@ -1,0 +1,53 @@
+// A set of kind `imu` as it is read: stretches of even samples at one attitude and one rate.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "measurement/problem/facts.h"
+#include "measurement/sets/set.h"
+#include "sim_core/base/pose.h"
+
+namespace seam::measurement {
+
+// Axes are numbered: the gyroscope's x, y, z, then the accelerometer's.
+inline constexpr size_t kImuAxes = 6;
+inline constexpr std::array<const char*, kImuAxes> kImuColumns = {
+    "wx_radps", "wy_radps", "wz_radps", "ax_mps2", "ay_mps2", "az_mps2"};
+inline constexpr std::array<const char*, kImuAxes> kImuTruth = {"wx_true_radps", "wy_true_radps",
+                                                                "wz_true_radps", "ax_true_mps2",
+                                                                "ay_true_mps2",  "az_true_mps2"};
+inline constexpr const char* kImuWarmth = "temperature_c";
+
+// What a spectrum takes at least.
+inline constexpr size_t kLeastSamples = 64;
+
+struct ImuStretch {
+  std::string group;  // Its run, or its own number where the set names none.
+  double dt_s = 0;
+  double start_s = 0;                                 // Since the first sample of the set.
+  std::vector<size_t> rows;                           // Of the table.
+  std::array<std::vector<double>, kImuAxes> samples;  // Empty: not measured, or a protocol.
+  std::array<double, kImuAxes> truth{};               // Where it is known.
+  std::vector<double> temperature_c;                  // Empty: not logged.
+  std::array<double, kImuAxes> mean{};                // Of the samples.
+  std::optional<double> warmth_c;                     // The mean temperature.
+};
+
+struct ImuData {
+  std::vector<ImuStretch> stretches;
+  std::array<bool, kImuAxes> has{};  // Whether the axis was measured.
+  bool knows_rates = false;          // Else the gyroscope is at rest.
+  bool knows_forces = false;         // Else only the size of gravity is known.
+  double gravity_mps2 = 9.80665;
+  size_t left = 0;  // Samples that are in no stretch.
+};
+
+double mean_of(const std::vector<double>& values);
+
+// Reads and checks imu.csv. `measured` false: a protocol, readings are not looked at.
+ImuData read_imu(const MeasurementSet& set, bool measured);
+
+}  // namespace seam::measurement

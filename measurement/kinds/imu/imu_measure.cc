@@ -1,0 +1,65 @@
+// Makes a set of inertial sensors: what the model would report by a protocol's times.
+#include <cmath>
+#include <limits>
+
+#include "measurement/kinds/imu/cosine_transform.h"
+#include "measurement/kinds/imu/imu.h"
+#include "sim_core/base/random.h"
+
+namespace seam::measurement {
+namespace {
+
+// Noise of one axis over a stretch: lines of the model's power, turned into a series.
+std::vector<double> noise_of(const effects::InertialSensor& sensor, size_t axis, double stated,
+                             const ImuStretch& stretch, RandomStream stream) {
+  const size_t n = stretch.rows.size();
+  std::vector<double> lines(n);
+  for (size_t k = 0; k < n; ++k) {
+    // The mean of a stretch wanders as lines do half a line before the first one.
+    const double omega = omega_of_line(k == 0 ? 0.5 : static_cast<double>(k), n);
+    const double power = stated * stated + effects::noise_power(sensor, axis, omega, stretch.dt_s);
+    lines[k] = std::sqrt(power) * normal(stream, k);
+  }
+  return inverse_cosine_transform(lines);
+}
+
+}  // namespace
+
+void measure_imu(const Model& truth, const MeasurementSet& protocol,
+                 const MeasureOptions& options) {
+  const ImuData data = read_imu(protocol, false);
+  const CsvTable table = protocol.table("imu");
+  const effects::Inertial inertial = effects::inertial_of(truth);
+  const RandomStream stream = RandomStream{.seed = options.seed}.child("measure").child("imu");
+  std::vector<std::vector<double>> columns(
+      kImuAxes, std::vector<double>(table.rows(), std::numeric_limits<double>::quiet_NaN()));
+  for (size_t s = 0; s < data.stretches.size(); ++s) {
+    const ImuStretch& stretch = data.stretches[s];
+    effects::InertialSample truth_here{.force_mps2 = Vec3(0, 0, data.gravity_mps2)};
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto index = static_cast<size_t>(axis);
+      truth_here.rate_radps[axis] = stretch.truth[index];
+      if (data.knows_forces) truth_here.force_mps2[axis] = stretch.truth[index + 3];
+    }
+    for (size_t axis = 0; axis < kImuAxes; ++axis) {
+      const auto& sensor = axis < 3 ? inertial.gyro : inertial.accel;
+      std::vector<double> noise(stretch.rows.size(), 0);
+      if (options.noise)
+        noise = noise_of(sensor, axis % 3, protocol.noise_of(kImuColumns[axis]), stretch,
+                         stream.child(s).child(axis));
+      for (size_t i = 0; i < stretch.rows.size(); ++i) {
+        const double warmth =
+            stretch.temperature_c.empty() ? effects::kBiasAt_c : stretch.temperature_c[i];
+        const auto read = effects::measured_by(inertial, truth_here, warmth);
+        const int along = static_cast<int>(axis % 3);
+        columns[axis][stretch.rows[i]] =
+            (axis < 3 ? read.rate_radps[along] : read.force_mps2[along]) + noise[i];
+      }
+    }
+  }
+  copy_protocol(protocol, options.out, {"imu"});
+  write_table_with(table, {kImuColumns.begin(), kImuColumns.end()}, columns,
+                   written_path(options.out, protocol.files.at("imu")));
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,245 @@
+#include "measurement/kinds/imu/noise_lines.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "measurement/kinds/imu/cosine_transform.h"
+#include "sim_core/base/maths.h"
+
+namespace seam::measurement {
+namespace {
+
+constexpr size_t kLeastLines = 4;  // Of a band: the cube root of their power is nearly normal.
+constexpr double kLeastWarming_k = 0.2;
+constexpr size_t kMostCells = 600, kMostModes = 64;
+
+std::array<double, 4> shapes_at(double omega) {
+  const double difference = 2 * std::sin(omega / 2);
+  return {difference * difference, 1, 1 / difference, 1 / (difference * difference)};
+}
+
+struct PooledBand {
+  double omega = 0, power = 0, lines = 0;
+};
+
+// By Itakura and Saito's distance, which is the likelihood of powers: multiplicative steps, in
+// which sizes stay positive (Fevotte and Idier 2011).
+SmoothSpectrum smooth_through(const std::vector<PooledBand>& bands) {
+  constexpr int kSteps = 400;
+  SmoothSpectrum smooth;
+  std::array<double, 4> begin{};
+  double lines = 0;
+  for (const PooledBand& band : bands) {
+    const auto shapes = shapes_at(band.omega);
+    for (size_t j = 0; j < 4; ++j) begin[j] += band.lines * band.power / shapes[j];
+    lines += band.lines;
+  }
+  for (size_t j = 0; j < 4; ++j) smooth.size[j] = std::max(1e-300, begin[j] / (4 * lines));
+  for (int step = 0; step < kSteps; ++step) {
+    std::array<double, 4> up{}, down{};
+    for (const PooledBand& band : bands) {
+      const auto shapes = shapes_at(band.omega);
+      const double all = smooth.at(band.omega);
+      for (size_t j = 0; j < 4; ++j) {
+        up[j] += band.lines * shapes[j] * band.power / (all * all);
+        down[j] += band.lines * shapes[j] / all;
+      }
+    }
+    for (size_t j = 0; j < 4; ++j) smooth.size[j] *= std::sqrt(up[j] / down[j]);
+  }
+  return smooth;
+}
+
+// Ends of bands over the lines 1 to n - 1.
+std::vector<size_t> band_ends(size_t n, double share) {
+  std::vector<size_t> ends = {1};
+  while (ends.back() < n) {
+    const auto wide = static_cast<size_t>(share * static_cast<double>(ends.back()));
+    size_t next = ends.back() + std::max(kLeastLines, wide);
+    if (n < next + kLeastLines) next = n;
+    ends.push_back(next);
+  }
+  return ends;
+}
+
+// Lines of a stretch: coefficients of its readings, and what of each the temperature explains.
+struct Lines {
+  std::vector<double> reading;
+  std::vector<double> leverage;  // Empty: no temperature.
+};
+
+std::vector<PooledBand> pooled(const std::vector<Lines>& all) {
+  constexpr double kFine = 0.1;
+  std::vector<PooledBand> bands;
+  for (const Lines& lines : all) {
+    const size_t n = lines.reading.size();
+    // The first lines one by one: there the spectrum may be steep.
+    for (size_t k = 1; k < n;) {
+      const size_t next =
+          std::min(n, k + std::max<size_t>(1, static_cast<size_t>(kFine * static_cast<double>(k))));
+      PooledBand band{.omega = omega_of_line(0.5 * static_cast<double>(k + next - 1), n)};
+      for (; k < next; ++k) band.power += lines.reading[k] * lines.reading[k], ++band.lines;
+      band.power = std::max(band.power / band.lines, 1e-300);
+      bands.push_back(band);
+    }
+  }
+  return bands;
+}
+
+// Cells of a stretch: means of readings and temperature, dealt out to parts in turn.
+struct Cells {
+  std::vector<double> reading, temperature_c;
+};
+Cells cells_of(const ImuStretch& stretch, size_t axis, size_t parts) {
+  const size_t n = stretch.rows.size();
+  const size_t count = std::max(parts, std::min(kMostCells, n / 8) / parts * parts);
+  Cells cells;
+  for (size_t j = 0; j < count; ++j) {
+    const size_t from = j * n / count, to = (j + 1) * n / count;
+    double reading = 0, warmth = 0;
+    for (size_t i = from; i < to; ++i) {
+      reading += stretch.samples[axis][i];
+      if (!stretch.temperature_c.empty()) warmth += stretch.temperature_c[i];
+    }
+    cells.reading.push_back(reading / static_cast<double>(to - from));
+    cells.temperature_c.push_back(warmth / static_cast<double>(to - from));
+  }
+  return cells;
+}
+
+// Weights of cells by which the reading's dependence on temperature is told best, and its variance.
+struct Regression {
+  std::vector<double> weight;  // By cell.
+  double variance = 0;
+};
+Regression regression_of(const Cells& cells, const SmoothSpectrum& smooth, size_t n) {
+  const size_t count = cells.reading.size();
+  const std::vector<double> lines = cosine_transform(cells.temperature_c);
+  // A mean of n / count samples: their variance is that of a sample's line over as many.
+  const double samples = static_cast<double>(n) / static_cast<double>(count);
+  std::vector<double> weighted(count, 0);
+  double information = 0;
+  for (size_t k = 1; k < std::min(kMostModes, count / 4); ++k) {
+    const double variance = smooth.at(omega_of_line(static_cast<double>(k), n)) / samples;
+    weighted[k] = lines[k] / variance;
+    information += lines[k] * lines[k] / variance;
+  }
+  Regression out{.weight = inverse_cosine_transform(weighted), .variance = 1 / information};
+  for (double& w : out.weight) w /= information;
+  return out;
+}
+
+// The dependence told by some of the cells.
+double slope_of(const Cells& cells, const Regression& regression, size_t first, size_t step) {
+  double reading = 0, warmth = 0, count = 0, up = 0, down = 0;
+  for (size_t j = first; j < cells.reading.size(); j += step)
+    reading += cells.reading[j], warmth += cells.temperature_c[j], ++count;
+  for (size_t j = first; j < cells.reading.size(); j += step) {
+    up += regression.weight[j] * (cells.reading[j] - reading / count);
+    down += regression.weight[j] * (cells.temperature_c[j] - warmth / count);
+  }
+  return up / down;
+}
+
+Lines lines_of(const ImuStretch& stretch, size_t axis, const SmoothSpectrum* smooth) {
+  std::vector<double> series = stretch.samples[axis];
+  const size_t n = series.size();
+  Lines lines;
+  if (smooth != nullptr && warms(stretch)) {
+    const Cells cells = cells_of(stretch, axis, 1);
+    const Regression regression = regression_of(cells, *smooth, n);
+    const double slope = slope_of(cells, regression, 0, 1);
+    const double mean = mean_of(stretch.temperature_c);
+    for (size_t i = 0; i < n; ++i) series[i] -= slope * (stretch.temperature_c[i] - mean);
+    lines.leverage = cosine_transform(stretch.temperature_c);
+    double sum = 0;
+    for (size_t k = 1; k < n; ++k) {
+      lines.leverage[k] *= lines.leverage[k] / smooth->at(omega_of_line(static_cast<double>(k), n));
+      sum += lines.leverage[k];
+    }
+    for (double& leverage : lines.leverage) leverage /= sum;
+  }
+  const double mean = mean_of(series);
+  for (double& value : series) value -= mean;
+  lines.reading = cosine_transform(series);
+  return lines;
+}
+
+void add_bands(const Lines& lines, size_t stretch, const SmoothSpectrum& smooth, double share,
+               std::vector<NoiseBand>& bands) {
+  const size_t n = lines.reading.size();
+  const std::vector<size_t> ends = band_ends(n, share);
+  for (size_t b = 0; b + 1 < ends.size(); ++b) {
+    NoiseBand band{.stretch = stretch, .first = ends[b], .last = ends[b + 1]};
+    band.freedom = static_cast<double>(band.last - band.first);
+    for (size_t k = band.first; k < band.last; ++k) {
+      band.power +=
+          lines.reading[k] * lines.reading[k] / smooth.at(omega_of_line(static_cast<double>(k), n));
+      if (!lines.leverage.empty()) band.freedom -= lines.leverage[k];
+    }
+    band.power /= band.freedom;
+    bands.push_back(band);
+  }
+}
+
+std::vector<StretchMean> means_of(const ImuStretch& stretch, size_t axis, size_t parts,
+                                  const SmoothSpectrum& smooth) {
+  const size_t n = stretch.rows.size();
+  const Cells cells = cells_of(stretch, axis, parts);
+  const auto count = static_cast<double>(parts);
+  std::vector<StretchMean> means(parts);
+  // How far the mean of a stretch lies off is not in its lines: its power is taken as that half a
+  // line before the first one.
+  const double variance = smooth.at(omega_of_line(0.5, n)) / static_cast<double>(n);
+  const bool warming = warms(stretch);
+  const Regression regression = warming ? regression_of(cells, smooth, n) : Regression{};
+  for (size_t part = 0; part < parts; ++part) {
+    double sum = 0, number = 0;
+    for (size_t j = part; j < cells.reading.size(); j += parts) sum += cells.reading[j], ++number;
+    means[part] = {.value = sum / number, .variance = variance * count};
+    if (!warming) continue;
+    means[part].per_k = slope_of(cells, regression, part, parts);
+    means[part].per_k_variance = regression.variance * count;
+  }
+  return means;
+}
+
+}  // namespace
+
+double SmoothSpectrum::at(double omega) const {
+  const auto shapes = shapes_at(omega);
+  double sum = 0;
+  for (size_t j = 0; j < 4; ++j) sum += size[j] * shapes[j];
+  return sum;
+}
+
+double omega_of_line(double k, size_t n) {
+  return maths::kPi * k / static_cast<double>(n);
+}
+
+bool warms(const ImuStretch& stretch) {
+  if (stretch.temperature_c.empty()) return false;
+  const auto [low, high] =
+      std::minmax_element(stretch.temperature_c.begin(), stretch.temperature_c.end());
+  return *high - *low > kLeastWarming_k;
+}
+
+AxisNoise noise_of_axis(const ImuData& data, size_t axis, size_t parts, double share) {
+  AxisNoise out;
+  std::vector<Lines> lines;
+  // What the temperature does is taken out by a spectrum, and the spectrum is that of the rest.
+  for (int round = 0; round < 3; ++round) {
+    lines.clear();
+    for (const ImuStretch& stretch : data.stretches)
+      lines.push_back(lines_of(stretch, axis, round == 0 ? nullptr : &out.smooth));
+    if (round < 2) out.smooth = smooth_through(pooled(lines));
+    if (round == 0 && std::none_of(data.stretches.begin(), data.stretches.end(), warms)) break;
+  }
+  for (size_t s = 0; s < data.stretches.size(); ++s) {
+    add_bands(lines[s], s, out.smooth, share, out.bands);
+    out.means.push_back(means_of(data.stretches[s], axis, parts, out.smooth));
+  }
+  return out;
+}
+
+}  // namespace seam::measurement
