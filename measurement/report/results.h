@@ -28,6 +28,10 @@ std::string doubts_text(const Doubts& doubts);  // A line each.
 std::string add_json(const Problem& problem, const AddResult& result, const std::string& format,
                      const Doubts& doubts = {});
 
+// Which share of what an assessment leaves beyond the noise is gone where the error is `after`; NaN
+// where it leaves nothing beyond it.
+double gain_of(const Assessment& before, double after);
+
 // How many observations take part: points, where each has a residual along u and one along v.
 int64_t observations_used(const Problem& problem);
 

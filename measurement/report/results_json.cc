@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "measurement/report/curves/curves_told.h"
@@ -147,13 +148,6 @@ ordered_json parameters_json(const Assessment& assessment, const std::string& ef
   return json;
 }
 
-// 1 - (after^2 - 1) / (before^2 - 1); null where there was nothing above the noise to gain.
-ordered_json gain_json(double before, double after, double n) {
-  const double excess = before * before - 1;
-  if (excess < 3 * std::sqrt(2 / std::max(1.0, n))) return nullptr;
-  return finite_or_null<ordered_json>(1 - (after * after - 1) / excess);
-}
-
 std::string why(const SearchResult& result, const Candidate& candidate) {
   std::string text = candidate.effect->signature;
   if (!result.base_structure.empty() && candidate.significant) {
@@ -185,16 +179,15 @@ ordered_json candidates_json(const SearchResult& result, const Assessment& befor
   int rank = 0;
   for (const Candidate& c : candidates) {
     const Assessment& after = c.grown.assessment;
-    ordered_json entry = {
-        {"effect", c.effect->name},
-        {"rank", ++rank},
-        {"error", finite_or_null<ordered_json>(after.error)},
-        {"gain", gain_json(before.error, after.error, static_cast<double>(before.held.n))},
-        {"p_value", c.p_value},
-        {"significant", c.significant || c.trace},
-        {"log_likelihood_gain", finite_or_null<ordered_json>(c.gain_ll)},
-        {"parameters", parameters_json(after, c.effect->name)},
-        {"indistinguishable_from", c.indistinguishable_from}};
+    ordered_json entry = {{"effect", c.effect->name},
+                          {"rank", ++rank},
+                          {"error", finite_or_null<ordered_json>(after.error)},
+                          {"gain", finite_or_null<ordered_json>(gain_of(before, after.error))},
+                          {"p_value", c.p_value},
+                          {"significant", c.significant || c.trace},
+                          {"log_likelihood_gain", finite_or_null<ordered_json>(c.gain_ll)},
+                          {"parameters", parameters_json(after, c.effect->name)},
+                          {"indistinguishable_from", c.indistinguishable_from}};
     if (!c.companions.empty()) {
       ordered_json with = ordered_json::object();
       for (const auto& companion : c.companions)
@@ -227,6 +220,13 @@ std::string dumped(const ordered_json& json) {
 }
 
 }  // namespace
+
+double gain_of(const Assessment& before, double after) {
+  const double excess = before.error * before.error - 1;
+  const auto n = static_cast<double>(std::max<int64_t>(1, before.held.n));
+  if (excess < 3 * std::sqrt(2 / n)) return std::numeric_limits<double>::quiet_NaN();
+  return 1 - (after * after - 1) / excess;
+}
 
 int64_t observations_used(const Problem& problem) {
   const Facts& facts = problem.facts();

@@ -240,11 +240,13 @@ std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
     for (double* ll : {&step.expected.all, &step.expected.rest})
       *ll = base.assessment.total_ll + (*ll - before.log_likelihood) / share;
   }
+  prospect.step_to = step.to;
   // More starts (a phase's quarters): several valleys, of which the first says little.
   if (prospect.starts.size() > kMostStartsOfOneValley || has_counts(*effect)) return prospect;
   prospect.expected = step.expected;
   // Steps are short where a model misses little: where one ends, a fit does.
-  if (base.assessment.error < kMisfit && prospect.companions.empty())
+  const bool dear = shown.screening_groups().has_value();
+  if (dear && base.assessment.error < kMisfit && prospect.companions.empty())
     prospect.end_of_step = std::move(step.to);
   return prospect;
 }

@@ -50,7 +50,8 @@ struct Prospect {
   std::vector<std::vector<double>> starts;  // Of its parameters, then of its companions'.
   std::vector<size_t> free;                 // Its parameters that the data can see.
   Expected expected;
-  // Where that step ends, if predictions are dear and a fit can be expected to end about there.
+  std::optional<Model> step_to;  // Where one such step ends, however little it may say.
+  // The same if predictions are dear and a fit can be expected to end about there.
   std::optional<Model> end_of_step;
   std::optional<FewRows> few;  // Looked at, and to be fitted, on these rows alone.
 };

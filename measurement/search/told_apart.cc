@@ -43,6 +43,19 @@ std::vector<std::string> makers_of(const std::vector<double>& column,
   return makers;
 }
 
+// Where a step of Gauss and Newton against these changes of the unknowns' values ends.
+Model moved_by(const Model& model, const std::vector<Unknown>& unknowns,
+               const std::vector<double>& against) {
+  const ParameterSpace space(model, unknowns);
+  const Eigen::VectorXd place = space.place(model);
+  Eigen::VectorXd by(place.size());
+  for (Eigen::Index i = 0; i < by.size(); ++i) {
+    const auto k = static_cast<size_t>(i);
+    by[i] = -against[k] / space[k].slope(place[i]);  // Limits are fitted by their reciprocals.
+  }
+  return space.moved(model, by);
+}
+
 }  // namespace
 
 std::vector<Unknown> told_apart(const Problem& problem, const Model& model,
@@ -140,14 +153,11 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
     kept.push_back(unknowns[k]);
     if (candidate) testable.push_back(parameter);
   }
+  if (testable.empty()) return testable;
+  step.to = moved_by(model, kept, span.steps_to(here.whitened));
   if (!problem.is_smooth(model)) return testable;
   const double now = log_likelihood_of(problem, here);
   step.expected = {now + gain, now + gain_of_rest};
-  if (dear) {
-    const std::vector<double> by = span.steps_to(here.whitened);
-    const Eigen::Map<const Eigen::VectorXd> back(by.data(), static_cast<Eigen::Index>(by.size()));
-    step.to = ParameterSpace(model, kept).moved(model, -back);
-  }
   return testable;
 }
 

@@ -163,6 +163,30 @@ TEST(ToldApart, EffectsThatPredictTheSameAsFarAsPredictionsAreExactAreTied) {
   }
 }
 
+// y = x and noise, by an effect that is linear: one step ends where least squares do.
+TEST(Prospect, AStepOfALinearEffectEndsAtItsLeastSquares) {
+  class Smooth : public StraightOrBent {
+   public:
+    using StraightOrBent::StraightOrBent;
+    bool is_smooth(const Model&) const override { return true; }
+  };
+  const Smooth problem(0);
+  const Grown base{.assessment = assess_fixed(problem, Smooth::flat())};
+  std::vector<NotTestable> reasons;
+  const auto prospect = prospect_of(problem, base, Smooth::effects()[0], reasons);
+  ASSERT_TRUE(prospect && prospect->step_to);
+  double xx = 0, xy = 0;
+  for (size_t i = 0; i < problem.x().size(); ++i) {
+    xx += problem.x()[i] * problem.x()[i];
+    xy += problem.x()[i] * problem.y()[i];
+  }
+  EXPECT_NEAR(prospect->step_to->find("straight")->values()[0], xy / xx, 1e-9);
+  EXPECT_NEAR(prospect->expected.all - base.assessment.total_ll, xy * xy / xx / (2 * 0.5 * 0.5),
+              1e-6);
+  EXPECT_NEAR(problem.score(*prospect->step_to, problem.all_groups()).log_likelihood,
+              prospect->expected.all, 1e-6);
+}
+
 // Values of a quotient of polynomials that have a factor in common predict the same as those of the
 // quotient without it, of which coarse derivatives know nothing.
 class Quotient : public testing::Test {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "measurement/report/report_data.h"
 #include "measurement/search/models/compare.h"
 #include "sim_core/base/error.h"
+#include "tools/workbench/look/prospects.h"
 #include "tools/workbench/look/row_table.h"
 #include "tools/workbench/look/set_json.h"
 
@@ -69,9 +71,9 @@ class Looker {
     compare();
     tell_set();
     see_prospects();
+    tell_steps();
     fit_prospects();
-    write("search.json", search_text(/*ended=*/true));
-    say({{"event", "search"}});
+    tell_search(/*ended=*/true);
   }
 
  private:
@@ -129,7 +131,7 @@ class Looker {
       const std::lock_guard lock(mutex_);
       say({{"event", "progress"},
            {"what", "effects looked at"},
-           {"done", ++done_},
+           {"done", ++looked_at_},
            {"of", effects_.size()}});
     });
     for (size_t i = 0; i < effects_.size(); ++i) {
@@ -139,36 +141,52 @@ class Looker {
     }
   }
 
-  void preview(const std::string& effect, const measurement::Model& model, json head) {
+  void preview(const std::string& how, const std::string& effect, const measurement::Model& model,
+               json head) {
     const auto view = problem_->residual_view(model, problem_->all_groups());
-    write("fit-" + effect + ".bin", table_->residuals(view, std::move(head)));
+    write(how + effect + ".bin", table_->residuals(view, std::move(head)));
     const std::lock_guard lock(mutex_);
     say({{"event", "preview"}, {"effect", effect}});
   }
 
-  // What promises most first, so that the answer comes early.
-  std::vector<size_t> order() const {
-    std::vector<size_t> order;
-    for (size_t i = 0; i < effects_.size(); ++i) {
-      if (prospects_[i]) order.push_back(i);
+  // The list by score, and what each step would leave: long before the fits. Where a prediction is
+  // dear so is a preview, and the fit's own comes soon enough.
+  void tell_steps() {
+    std::vector<std::optional<StepEnd>> ends(prospects_.size());
+    if (!problem_->screening_groups()) {
+      measurement::parallel_for(prospects_.size(), [&](size_t i) {
+        if (prospects_[i]) ends[i] = end_of_step(*problem_, result_.base, *prospects_[i]);
+      });
     }
-    const auto class_of = [&](size_t i) {
-      return effects_[i]->spread_only ? 2 : std::isfinite(prospects_[i]->expected.all) ? 0 : 1;
-    };
-    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-      if (class_of(a) != class_of(b)) return class_of(a) < class_of(b);
-      return class_of(a) == 0 && prospects_[a]->expected.all > prospects_[b]->expected.all;
+    order_ = most_promising_first(prospects_, ends);
+    for (const size_t i : order_) {
+      if (ends[i])
+        steps_[effects_[i]->name] =
+            prospect_json(*problem_, result_.base, *prospects_[i], *ends[i], prospects_.size());
+    }
+    tell_search(/*ended=*/false);
+    measurement::parallel_for(order_.size(), [&](size_t k) {
+      const Prospect& prospect = *prospects_[order_[k]];
+      const auto step = steps_.find(prospect.effect->name);
+      if (step == steps_.end()) return;
+      preview("step-", prospect.effect->name, *prospect.step_to,
+              {{"error", step->second["error"]},
+               {"parameters", step->second["parameters"]},
+               {"how", "linear"}});
     });
-    return order;
+  }
+
+  void tell_search(bool ended) {
+    write("search.json", search_text(ended));
+    json event = {{"event", "search"}};
+    if (!ended) event.update({{"what", "fitted effects"}, {"done", done_}, {"of", order_.size()}});
+    say(event);
   }
 
   void fit_prospects() {
     const Evaluation here =
         problem_->evaluate_held_out(result_.base.assessment.model, problem_->scored_groups());
-    const std::vector<size_t> worth = order();
-    done_ = 0;
-    to_do_ = worth.size();
-    measurement::parallel_for(worth.size(), [&](size_t k) { fit(*prospects_[worth[k]], here); });
+    measurement::parallel_for(order_.size(), [&](size_t k) { fit(*prospects_[order_[k]], here); });
   }
 
   void fit(const Prospect& prospect, const Evaluation& here) {
@@ -177,7 +195,7 @@ class Looker {
     if (candidate) {
       judge(*problem_, result_.base, here, result_.first.tried, flags_.material, *candidate);
       const measurement::Assessment& after = candidate->grown.assessment;
-      preview(candidate->effect->name, after.model,
+      preview("fit-", candidate->effect->name, after.model,
               {{"error", measurement::finite_or_null<json>(after.error)},
                {"parameters", values_json(after, candidate->effect->name)},
                {"how", "fit"}});
@@ -186,9 +204,9 @@ class Looker {
     auto& list = result_.first.not_testable;
     list.insert(list.end(), reasons.begin(), reasons.end());
     if (candidate) result_.first.candidates.push_back(std::move(*candidate));
+    steps_.erase(prospect.effect->name);
     ++done_;
-    write("search.json", search_text(/*ended=*/false));
-    say({{"event", "search"}, {"what", "fitted effects"}, {"done", done_}, {"of", to_do_}});
+    tell_search(/*ended=*/false);
   }
 
   std::string search_text(bool ended) {
@@ -197,6 +215,11 @@ class Looker {
     const json fields = json::parse(diagnose_json(*problem_, result_));
     json search = {{"candidates", fields["candidates"]}, {"not_testable", fields["not_testable"]}};
     search["ties"] = ties_of(*problem_, result_.first.candidates);
+    search["prospects"] = json::array();  // Of those that wait for their fit.
+    for (const size_t i : order_) {
+      const auto step = steps_.find(effects_[i]->name);
+      if (step != steps_.end()) search["prospects"].push_back(step->second);
+    }
     search["ordered_by"] = kOrder;
     search["ended"] = ended;
     return search.dump();
@@ -210,9 +233,11 @@ class Looker {
   measurement::Doubts doubts_;
   SearchResult result_;
   measurement::EffectList effects_;
-  std::vector<std::optional<Prospect>> prospects_;
+  Prospects prospects_;
   std::mutex mutex_;
-  size_t done_ = 0, to_do_ = 0;
+  std::vector<size_t> order_;          // Of prospects, as they are fitted.
+  std::map<std::string, json> steps_;  // By effect, until it is fitted.
+  size_t looked_at_ = 0, done_ = 0;
 };
 
 }  // namespace

@@ -1,0 +1,36 @@
+// Candidates before they are fitted: where one linear step of each ends, the best first.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "measurement/search/candidates.h"
+
+namespace seam::tools {
+
+using Prospects = std::vector<std::optional<measurement::Prospect>>;
+
+// What one step of Gauss and Newton reaches with an effect.
+struct StepEnd {
+  double gain_ll = 0;  // Of all groups.
+  double error = 0;    // Of held-out groups.
+};
+
+// Nothing where there is no such step, and where it ends no better than it began: it may lead too
+// far where predictions bend.
+std::optional<StepEnd> end_of_step(const measurement::Problem& problem,
+                                   const measurement::Grown& base,
+                                   const measurement::Prospect& prospect);
+
+// The order in which prospects are fitted: those whose step gains most, then those of which a step
+// says nothing, then noises.
+std::vector<size_t> most_promising_first(const Prospects& prospects,
+                                         const std::vector<std::optional<StepEnd>>& ends);
+
+// A candidate as the page lists it, from where its step ends; one of so many prospects.
+nlohmann::json prospect_json(const measurement::Problem& problem, const measurement::Grown& base,
+                             const measurement::Prospect& prospect, const StepEnd& end,
+                             size_t prospects);
+
+}  // namespace seam::tools
