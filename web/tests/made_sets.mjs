@@ -7,10 +7,10 @@ const head = (kind, title, ...lines) => `format: seam-measurement/1\nkind: ${kin
 const csv = (header, rows) => `${header}\n${rows.map((row) => row.join(",")).join("\n")}\n`;
 const range = (n) => Array.from({ length: n }, (_, i) => i);
 
-function servo() {
-  const rows = range(6).flatMap((run) => range(200).map((k) => {
+function servo(runs = 6, samples = 200) {
+  const rows = range(runs).flatMap((run) => range(samples).map((k) => {
     const t = 0.008 * k;
-    return [run, t.toFixed(3), "pan", (0.5 * Math.sin((2 + run) * t) + (k > 60 ? 0.3 : 0)).toFixed(6)];
+    return [run, t.toFixed(3), "pan", (0.5 * Math.sin((2 + run % 6) * t) + (k > 60 ? 0.3 : 0)).toFixed(6)];
   }));
   return {
     files: { "joints.csv": csv("run,time_s,joint,command_rad", rows),
@@ -43,21 +43,23 @@ function flatFields() {
   };
 }
 
+function make(folder, name, set, seam) {
+  const protocol = join(folder, `${name}.protocol`), truth = join(protocol, "truth.yaml");
+  mkdirSync(protocol, { recursive: true });
+  for (const [file, text] of Object.entries(set.files)) writeFileSync(join(protocol, file), text);
+  writeFileSync(truth, set.truth);
+  seam(["measure", "--model", truth, "--protocol", protocol, "--seed", "1", "--out", join(folder, name)]);
+  writeFileSync(join(folder, name, "nominal.yaml"), set.nominal);
+}
+
+/** A servo's log of any length, as the set `name` below a folder. */
+export const makeServo = (folder, name, runs, samples, seam) => make(folder, name, servo(runs, samples), seam);
+
 /** Makes the four sets below a folder; `seam(arguments)` runs the program. */
 export function makeSets(folder, source, seam) {
-  const make = (name, protocol, truth, nominal) => {
-    writeFileSync(join(protocol, "truth.yaml"), truth);
-    seam(["measure", "--model", join(protocol, "truth.yaml"), "--protocol", protocol, "--seed", "1", "--out", join(folder, name)]);
-    writeFileSync(join(folder, name, "nominal.yaml"), nominal);
-  };
   const tutorial = join(source, "docs/tutorial");
   seam(["measure", "--model", join(tutorial, "robot.yaml"), "--protocol", join(tutorial, "room"), "--seed", "1",
     "--out", join(folder, "room")]);
   cpSync(join(tutorial, "nominal.yaml"), join(folder, "room/nominal.yaml"));
-  for (const [name, set] of Object.entries({ servo: servo(), flats: flatFields(), walk: walk() })) {
-    const protocol = join(folder, `${name}.protocol`);
-    mkdirSync(protocol, { recursive: true });
-    for (const [file, text] of Object.entries(set.files)) writeFileSync(join(protocol, file), text);
-    make(name, protocol, set.truth, set.nominal);
-  }
+  for (const [name, set] of Object.entries({ servo: servo(), flats: flatFields(), walk: walk() })) make(folder, name, set, seam);
 }
