@@ -30,7 +30,9 @@ function(seam_install_program)
     install(TARGETS ${target} RUNTIME DESTINATION lib/seam/behaviours COMPONENT program)
   endforeach()
   install(DIRECTORY ${CMAKE_SOURCE_DIR}/models ${CMAKE_SOURCE_DIR}/scenarios ${CMAKE_SOURCE_DIR}/docs/reference/schemas
-          DESTINATION ${share} COMPONENT program PATTERN "*.new" EXCLUDE)
+          DESTINATION ${share} COMPONENT program PATTERN "*.new" EXCLUDE PATTERN "*.py" EXCLUDE)
+  # A sample of the workbench.
+  install(DIRECTORY ${CMAKE_SOURCE_DIR}/docs/tutorial DESTINATION ${share}/docs COMPONENT program PATTERN "*.py" EXCLUDE)
   # Made where npm and python were there.
   install(FILES ${CMAKE_BINARY_DIR}/share/seam/report.html DESTINATION ${share} COMPONENT program OPTIONAL)
   foreach(folder seam/viewer seam/workbench man bash-completion zsh)

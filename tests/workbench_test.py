@@ -357,6 +357,94 @@ class Workbench(OfTheRoom):
             self.assertEqual(sent.status, 400)
             self.assertFalse((self.folder.parent / "evil").exists())
 
+    def test_samples_are_one_click_away(self):
+        with self.page("--session", self.session) as page:
+            samples = page.state["samples"]
+            self.assertGreaterEqual(len(samples), 3)
+            self.assertEqual(len({sample["kind"] for sample in samples}), len(samples))
+            for sample in samples:
+                state = page.ask("open", {"path": sample["path"]}).json
+                self.assertEqual((state["set"]["kind"], state["set"]["title"]), (sample["kind"], sample["title"]))
+                self.assertGreater(page.looked_at("001")["error"], 1.2)
+            again = page.ask("open", {"path": samples[0]["path"]}).json
+            self.assertEqual(again["set"]["kind"], samples[0]["kind"])
+            self.assertEqual(len(list(self.folder.glob("sample-*"))), 2 * len(samples))  # Each with its session.
+            self.assertEqual(page.ask("open", {"path": "sample:nonsense"}).status, 403)
+
+    def drop(self, page, **files):
+        """Files by their names, as a browser sends them."""
+        parts = [f'--b\r\nContent-Disposition: form-data; name="files"; filename="{name.replace("__", ".")}"\r\n\r\n{text}\r\n'
+                 for name, text in files.items()]
+        return page.ask("upload", content=("".join(parts) + "--b--\r\n").encode(),
+                        headers={"Content-Type": "multipart/form-data; boundary=b"})
+
+    def test_dropped_files_are_imported(self):
+        rows = [f"{0.01 * k:.2f},{(k // 7) % 3},{(k // 7) % 3 + 0.01 * (k % 2)}" for k in range(300)]
+        with self.page("--session", self.session) as page:
+            wrong = "\n".join(["time_s,goal,angle", *rows[:5], "0.05,x,1", *rows[6:]])
+            taken = self.drop(page, swing__csv=wrong).json["import"]
+            kinds = {kind["name"]: kind for kind in page.ask("imports").json["kinds"]}
+            self.assertIn("map", kinds["servo"]["options"])
+            given = {"dropped": taken["dropped"], "kind": "servo", "options": {"map": "command=goal,measured=angle", "unit": "deg"}}
+            refused = page.ask("import", given)
+            self.assertEqual(refused.status, 400)
+            self.assertRegex(refused.json["error"], r"^swing\.csv:7: goal: found no number")
+            self.assertIsNone(page.state["set"])
+            self.assertEqual(page.ask("import", {**given, "options": {"out": "/tmp/evil"}}).status, 400)
+            self.assertEqual(page.ask("import", {**given, "dropped": "dropped/../room"}).status, 400)
+            self.assertEqual(page.ask("import", {**given, "kind": "--help"}).status, 400)
+            taken = self.drop(page, swing__csv="\n".join(["time_s,goal,angle", *rows])).json["import"]
+            self.assertEqual(taken["kind"], "servo")
+            state = page.ask("import", {**given, "dropped": taken["dropped"]}).json
+            self.assertEqual(state["set"]["kind"], "joints")
+            self.assertTrue(state["set"]["folder"].endswith("set-swing"))
+            self.assertIsNotNone(page.looked_at("001")["error"])
+
+    def test_pictures_of_a_set(self):
+        """Only those in the set, or dropped on the page: a link of a foreign set may lead anywhere."""
+        (self.data / "pictures").mkdir()
+        (self.data / "pictures/1.png").write_bytes(b"a picture")
+        with self.page() as page:
+            answer = page.ask("picture?frame=1.png")
+            self.assertEqual((answer.status, answer.content, answer.headers["Content-Type"]), (200, b"a picture", "image/png"))
+            for frame in ("2.png", "../measurement.yaml", "../pictures/1.png", ""):
+                self.assertEqual(page.ask(f"picture?frame={frame}").status, 404, frame)
+            shutil.move(self.data / "pictures", self.folder / "elsewhere")
+            (self.data / "pictures").symlink_to(self.folder / "elsewhere")
+            self.assertEqual(page.ask("picture?frame=1.png").status, 404)
+            shutil.move(self.folder / "elsewhere", self.folder / "dropped-7")
+            (self.data / "pictures").unlink()
+            (self.data / "pictures").symlink_to(self.folder / "dropped-7")
+            self.assertEqual(page.ask("picture?frame=1.png").status, 200)
+
+    def test_frames_of_a_camera(self):
+        with self.page() as page:
+            page.table("rows?version=001")
+            sliders = page.ask("see?version=001").json["effects"]
+            self.assertEqual(sliders[0]["name"], "pinhole")
+            self.assertIn("rolling_shutter", [one["name"] for one in sliders if not one["in_model"]])
+
+            def seen(changes, coarse=True):
+                answer = page.ask("see", {"version": "001", "changes": changes, "head_rate_radps": 2.0, "coarse": coarse})
+                self.assertEqual(answer.status, 200, answer.content)
+                length, = struct.unpack_from("<I", answer.content)
+                head = json.loads(answer.content[4:4 + length])
+                pixels = answer.content[4 + length:]
+                self.assertEqual(len(pixels), 3 * head["width_px"] * head["height_px"])
+                return head, pixels
+
+            head, plain = seen({})
+            self.assertEqual((head["width_px"], head["height_px"]), (178, 144))
+            self.assertEqual(seen({"rolling_shutter": {"line_delay_s": 0}})[1], plain)
+            slanted = seen({"rolling_shutter": {"line_delay_s": 2.4e-4}})[1]
+            differing = [sum(a != b for a, b in zip(slanted[k:k + 534], plain[k:k + 534])) for k in range(0, len(plain), 534)]
+            # Later rows are seen later: the first is the same, those below are shifted more and more.
+            self.assertEqual(differing[0], 0)
+            self.assertGreater(sum(differing[72:]), sum(differing[:72]))
+            for changes in ({"nonsense": {}}, {"pinhole": {"nonsense": 1}}, {"pinhole": {"fx_px": -1}}, {"pinhole": {"fx_px": "x"}}):
+                answer = page.ask("see", {"version": "001", "changes": changes, "head_rate_radps": 0, "coarse": True})
+                self.assertEqual(answer.status, 400, changes)
+
     def test_names_are_text(self):
         text = (self.data / "measurement.yaml").read_text()
         title = next(line for line in text.splitlines() if line.startswith("title:"))

@@ -18,7 +18,7 @@ const seam = resolve(program), limit_ms = 600_000;
 const scratch = mkdtempSync(join(tmpdir(), "seam-speed-"));
 const made = /^servo:(\d+)x(\d+)$/.exec(named);
 if (made) {
-  makeServo(scratch, "servo", Number(made[1]), Number(made[2]), (words) => {
+  makeServo(join(scratch, "servo"), Number(made[1]), Number(made[2]), (words) => {
     const done = spawnSync(seam, words, { encoding: "utf8" });
     if (done.status !== 0) throw new Error(done.stderr);
   });

@@ -63,6 +63,25 @@ std::string other_import_for(const std::vector<fs::path>& sources, const std::st
   return "";
 }
 
+const ImportKind* import_that_reads(const std::vector<fs::path>& sources) {
+  std::vector<fs::path> files;
+  for (const fs::path& source : sources) {
+    if (!fs::is_directory(source)) {
+      files.push_back(source);
+      continue;
+    }
+    for (const auto& entry : fs::directory_iterator(source)) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  for (const fs::path& file : files) {
+    const FileLook look = look_at(file);
+    for (const ImportKind& kind : import_kinds()) {
+      if (kind.looks != nullptr && kind.looks(look)) return &kind;
+    }
+  }
+  return nullptr;
+}
+
 void refuse_foreign_file(const fs::path& path) {
   const std::string extension = path.extension().string();
   if (extension == ".yaml" || extension == ".yml" || extension == ".mcap") return;

@@ -18,6 +18,9 @@ std::string kind_meant_by(const std::string& word);
 std::string other_import_for(const std::vector<std::filesystem::path>& sources,
                              const std::string& kind);
 
+// The first import that reads any of these files, or files right below these folders; null: none.
+const ImportKind* import_that_reads(const std::vector<std::filesystem::path>& sources);
+
 // Throws InputError where a file of another program is given instead of one of ours, naming the
 // import that reads it.
 void refuse_foreign_file(const std::filesystem::path& path);

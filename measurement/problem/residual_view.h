@@ -17,6 +17,8 @@ struct ResidualView {
     // Where an observation is a mean of values: the standard deviation of a single value, with all
     // that it shares with others.
     std::vector<double> value_sigma;
+    // What was observed, where that is no column of the set's table; else empty.
+    std::vector<double> observed;
     std::vector<int> row;  // Into the covariates.
   };
   std::vector<Channel> channels;  // Those that combine two come last.

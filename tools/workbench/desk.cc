@@ -202,6 +202,11 @@ fs::path Desk::model(const std::string& version) {
   return session().model(session().state().version(version).id);
 }
 
+fs::path Desk::set_folder() {
+  const std::lock_guard lock(mutex_);
+  return session().state().data;
+}
+
 fs::path Desk::computed(const std::string& id, const std::vector<std::string>& names) {
   const std::lock_guard lock(mutex_);
   const Version& version = session().state().version(id);

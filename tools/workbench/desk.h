@@ -36,6 +36,7 @@ class Desk {
   // yet. Throws Refusal where none will come.
   std::filesystem::path computed(const std::string& version, const std::vector<std::string>& names);
   std::filesystem::path model(const std::string& version);
+  std::filesystem::path set_folder();
   nlohmann::json line(int64_t row);
 
   void add(uint64_t revision, const std::string& effect);
@@ -52,6 +53,9 @@ class Desk {
   void take_back(uint64_t revision, const Ranges& ranges);
   void select(const Ranges& ranges);
   void cancel();
+  // Runs a command that makes a set to be opened next; `what` names it while it runs.
+  void prepare(const std::string& what, const std::vector<std::string>& command,
+               const std::filesystem::path& folder);
   // The answer of a command that reads alone and writes JSON to the file behind its last option.
   nlohmann::json ask(std::vector<std::string> command, const std::string& name);
   // Of the model and set, as commands name them in the session's folder.

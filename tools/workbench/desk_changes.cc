@@ -294,6 +294,26 @@ void Desk::cancel() {
   looking_->cancel();
 }
 
+void Desk::prepare(const std::string& what, const std::vector<std::string>& command,
+                   const fs::path& folder) {
+  const std::unique_lock change(changing_, std::try_to_lock);
+  if (!change) throw Refusal(409, "another change is being computed: wait for it, or cancel it");
+  const auto show = [&](nlohmann::json job) {
+    const std::lock_guard lock(mutex_);
+    job_ = std::move(job);
+    events_.publish("state", state_unlocked());
+  };
+  show({{"what", what}, {"done", 0}, {"of", 0}});
+  try {
+    looking_->run_alone(command, folder);
+  } catch (...) {
+    show(nullptr);
+    look_at_current();
+    throw;
+  }
+  show(nullptr);
+}
+
 nlohmann::json Desk::ask(std::vector<std::string> command, const std::string& name) {
   const std::unique_lock change(changing_, std::try_to_lock);
   if (!change) throw Refusal(409, "another change is being computed: wait for it, or cancel it");

@@ -7,7 +7,7 @@
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "sim_core/base/output.h"
-#include "sim_core/input/json_input.h"
+#include "tools/pages/refusal.h"
 #include "tools/workbench/looked.h"
 
 namespace seam::tools {
@@ -34,21 +34,6 @@ fs::path recent_file() {
 bool is_below(const fs::path& path, const fs::path& root) {
   const auto [end, rest] = std::mismatch(root.begin(), root.end(), path.begin(), path.end());
   return end == root.end();
-}
-
-// A name that leads nowhere but below the folder that it is put into.
-fs::path plain_name(const std::string& name) {
-  fs::path plain;
-  for (const fs::path& part : fs::path(name)) {
-    const std::string text = part.string();
-    const bool bad = text.empty() || text == "." || text == ".." || text == "/" ||
-                     text.size() > 200 ||
-                     std::ranges::any_of(text, [](unsigned char c) { return c < ' ' || c == 127; });
-    if (bad) throw UsageError("files: expected plain names of files");
-    plain /= part;
-  }
-  if (plain.empty()) throw UsageError("files: found one without a name");
-  return plain;
 }
 
 }  // namespace
@@ -85,13 +70,16 @@ bool Places::was_open(const fs::path& data) const {
   return false;
 }
 
+fs::path Places::beside() const {
+  return session_.empty() ? fs::current_path() : fs::absolute(session_).parent_path();
+}
+
 fs::path Places::session_of(const fs::path& data) const {
   if (!session_.empty() && data == first_) return session_;
-  const fs::path beside =
-      session_.empty() ? fs::current_path() : fs::absolute(session_).parent_path();
   const std::string name = data.filename().string();
   for (int i = 1;; ++i) {
-    fs::path folder = beside / (i == 1 ? name + ".session" : fmt::format("{}-{}.session", name, i));
+    fs::path folder =
+        beside() / (i == 1 ? name + ".session" : fmt::format("{}-{}.session", name, i));
     const json state = json_of(folder / "session.json");
     if (!state.is_object() || state.value("data", "") == data.string()) return folder;
   }
@@ -126,29 +114,6 @@ json Places::recent() const {
       list.push_back(one);
   }
   return list;
-}
-
-fs::path Places::take_in(const httplib::MultipartFormDataMap& files) const {
-  const fs::path beside =
-      session_.empty() ? fs::current_path() : fs::absolute(session_).parent_path();
-  fs::path folder;
-  for (int i = 1; folder.empty() || fs::exists(folder); ++i)
-    folder = beside / fmt::format("dropped-{}", i);
-  fs::path found;
-  for (const auto& [key, file] : files) {
-    const fs::path path = folder / plain_name(file.filename);
-    fs::create_directories(path.parent_path());
-    write_file_atomically(path, file.content);
-    if (path.filename() == "measurement.yaml") found = path.parent_path();
-  }
-  if (files.empty()) throw UsageError("files: found none");
-  if (!found.empty()) return fs::canonical(found);
-  // Says which import reads it.
-  for (const auto& [key, file] : files)
-    app::refuse_foreign_file(folder / plain_name(file.filename));
-  throw Refusal(400, fmt::format("there is no measurement.yaml among these files; they are kept in "
-                                 "{}: seam import makes a set of them",
-                                 folder.string()));
 }
 
 }  // namespace seam::tools

@@ -7,8 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "tools/pages/page_server.h"
-
 namespace seam::tools {
 
 class Places {
@@ -23,8 +21,8 @@ class Places {
   // Remembers it among the sets that were opened last.
   void remember(const std::filesystem::path& data, const nlohmann::json& set) const;
   nlohmann::json recent() const;
-  // Files that were dropped on the page, in a new folder beside the sessions: the set among them.
-  std::filesystem::path take_in(const httplib::MultipartFormDataMap& files) const;
+  // The folder that sessions are put into.
+  std::filesystem::path beside() const;
 
  private:
   bool was_open(const std::filesystem::path& data) const;

@@ -1,6 +1,7 @@
 // `seam workbench`: a page on this machine to work on a model with (docs/workbench.md).
 #include <charconv>
 
+#include "measurement/sets/set.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "sim_core/base/output.h"
@@ -8,8 +9,10 @@
 #include "tools/command.h"
 #include "tools/workbench/desk.h"
 #include "tools/workbench/formula.h"
+#include "tools/workbench/intake.h"
 #include "tools/workbench/look/look.h"
 #include "tools/workbench/places.h"
+#include "tools/workbench/see/see.h"
 #include "tools/workbench/session_archive.h"
 
 namespace seam::tools {
@@ -54,13 +57,23 @@ class Body {
   json fields_;
 };
 
+std::string effect_in(const Request& request) {
+  const std::string effect = request.get_param_value("effect");
+  if (effect.empty() || effect.find_first_of("/\\") != std::string::npos)
+    throw UsageError("effect: expected the name of one");
+  return effect;
+}
+
 class Workbench {
  public:
-  explicit Workbench(const Settings& settings) : places_(settings.named, settings.session) {
+  explicit Workbench(const Settings& settings)
+      : places_(settings.named, settings.session), intake_(places_.beside()) {
     if (!settings.named.empty()) open(places_.to_open(settings.named.front()));
-    desk_.offer(places_.recent(), json::array());
+    offer();
     add_reading();
     add_changes();
+    add_openings();
+    add_seeing();
     add_formulas();
   }
 
@@ -70,7 +83,16 @@ class Workbench {
   void open(const fs::path& data) {
     desk_.open(data, places_.session_of(data));
     places_.remember(data, desk_.state()["set"]);
-    desk_.offer(places_.recent(), json::array());
+    offer();
+  }
+
+  void offer() { desk_.offer(places_.recent(), intake_.samples()); }
+
+  // Makes the set where it is not there, then opens it.
+  void open(const Making& making, const std::string& what) {
+    if (!making.command.empty()) desk_.prepare(what, making.command, making.folder);
+    making.finish();
+    open(fs::canonical(making.set));
   }
 
   // A change answers with the state that it made.
@@ -110,6 +132,14 @@ class Workbench {
       std::from_chars(text.data(), text.data() + text.size(), row);
       answer_json(response, desk_.line(row));
     });
+    server_.get("/api/picture", [this](const Request& request, Response& response) {
+      const std::string frame = request.get_param_value("frame");
+      const fs::path file = intake_.picture_of(desk_.set_folder(), frame);
+      const bool is_png = file.extension() == ".png";
+      if (!is_png && file.extension() != ".jpg" && file.extension() != ".jpeg")
+        throw Refusal(404, "there is no picture of this frame");
+      response.set_content(read_file(file), is_png ? "image/png" : "image/jpeg");
+    });
     server_.get("/api/export", [this](const Request& request, Response& response) {
       export_file(request, response);
     });
@@ -118,10 +148,13 @@ class Workbench {
              [](const Request&) -> Files { return {"rows.bin"}; });
     get_file("data", "application/json", [](const Request&) -> Files { return {"data.json"}; });
     get_file("preview", "application/octet-stream", [](const Request& request) -> Files {
-      const std::string effect = request.get_param_value("effect");
-      if (effect.empty() || effect.find_first_of("/\\") != std::string::npos)
-        throw UsageError("effect: expected the name of one");
+      const std::string effect = effect_in(request);
       return {"fit-" + effect + ".bin", "step-" + effect + ".bin"};
+    });
+    get_file("frames", "application/octet-stream", [](const Request& request) -> Files {
+      if (request.get_param_value("what") == "measured") return {"frames.bin"};
+      if (!request.has_param("effect")) return {"predicted.bin"};
+      return {"predicted-" + effect_in(request) + ".bin"};
     });
   }
 
@@ -165,14 +198,51 @@ class Workbench {
     change("take-back",
            [this](const Body& body) { desk_.take_back(body.revision(), body.ranges()); });
     change("cancel", [this](const Body&) { desk_.cancel(); });
-    change("open", [this](const Body& body) { open(places_.to_open(body.text("path"))); });
     server_.put("/api/selection", [this](const Request& request, Response& response) {
       desk_.select(Body(request).ranges());
       answer_json(response, json::object());
     });
+  }
+
+  void add_openings() {
+    change("open", [this](const Body& body) {
+      const std::string path = body.text("path");
+      if (const auto sample = intake_.of_sample(path)) return open(*sample, "making the sample");
+      open(places_.to_open(path));
+    });
+    server_.get("/api/imports", [](const Request&, Response& response) {
+      answer_json(response, {{"kinds", imports_json()}, {"most_bytes", kMostBody}});
+    });
     server_.post("/api/upload", [this](const Request& request, Response& response) {
-      open(places_.take_in(request.files));
+      const json taken = intake_.take_in(request.files);
+      if (!taken.contains("set")) return answer_json(response, {{"import", taken}});
+      open(taken["set"].get<std::string>());
       answer_json(response, desk_.state());
+    });
+    change("import", [this](const Body& body) {
+      const auto options = body.get<std::map<std::string, std::string>>("options");
+      open(intake_.of_dropped(body.text("dropped"), body.text("kind"), options), "importing");
+    });
+  }
+
+  void add_seeing() {
+    server_.get("/api/see", [this](const Request& request, Response& response) {
+      const auto model = effects::Model::from_file(desk_.model(request.get_param_value("version")));
+      answer_json(response, {{"effects", sliders_json(model)}});
+    });
+    server_.post("/api/see", [this](const Request& request, Response& response) {
+      const Body body(request);
+      auto model = effects::Model::from_file(desk_.model(body.text("version")));
+      change_parameters(model, body.get<json>("changes"));
+      const auto set = measurement::MeasurementSet::open(desk_.set_folder());
+      const SeenFrame frame = see(model, {.width_px = set.camera.width_px,
+                                          .height_px = set.camera.height_px,
+                                          .head_rate_radps = body.get<double>("head_rate_radps"),
+                                          .coarse = body.get<bool>("coarse")});
+      std::string bytes =
+          head_bytes({{"width_px", frame.width_px}, {"height_px", frame.height_px}});
+      bytes.append(frame.rgb.begin(), frame.rgb.end());
+      response.set_content(std::move(bytes), "application/octet-stream");
     });
   }
 
@@ -216,6 +286,7 @@ class Workbench {
   }
 
   const Places places_;
+  const Intake intake_;
   Desk desk_;
   PageServer server_{{.folder = "workbench",
                       .folder_from = "SEAM_WORKBENCH_DIR",

@@ -1,5 +1,5 @@
 // The document that a command writes into the page: `docs/reference/report_data.md` says what each field means.
-import type { Arrows, Candidate, Histogram, ImageMap, Parameters, ResidualPlot, Structure } from "../shared/types";
+import type { Arrows, Candidate, Histogram, ImageMap, Parameters, ResidualPlot, Series, Structure } from "../shared/types";
 
 export interface Step {
   effect: string | null;
@@ -94,21 +94,6 @@ export interface Result {
   modes?: Record<string, Interval>;
   paired?: { difference_mm: number | null; ci95?: number | [number, number] };
   seeds?: number;
-}
-
-export interface Line {
-  name: string;
-  points: number[][];
-}
-
-export interface Series {
-  title?: string;
-  x: string;
-  y: string;
-  /** A way over the ground: one scale for both axes. */
-  plane?: "world_m";
-  rms?: number | null;
-  lines: Line[];
 }
 
 export interface LeaveOneOut {

@@ -1,6 +1,6 @@
 // Residuals where they lie: arrows over the image or the field, and maps of the mean over the image.
 import * as Plot from "@observablehq/plot";
-import { arrowScale, bounds, inImage, length, unitOf } from "../shared/arrows";
+import { arrowScale, bounds, inImage, length, placeMarks, unitOf } from "../shared/arrows";
 import { Figure } from "../shared/figure";
 import { leastShown, number, quantile } from "../shared/format";
 import { palette } from "../shared/palette";
@@ -51,10 +51,7 @@ function ArrowFigure({ set, scale, report }: { set: Arrows; scale: number; repor
           stroke: colour, strokeWidth: 1, headLength: 5, headAngle: 50, strokeOpacity: 0.85,
           clip: true,
         }),
-        ...(set.places ? [
-          Plot.dot(set.places, { x: "x", y: "y", r: 4, fill: palette.card, stroke: palette.ink, strokeWidth: 1.4 }),
-          Plot.text(set.places, { x: "x", y: "y", text: "name", dx: 8, dy: -8, textAnchor: "start", fill: palette.ink }),
-        ] : []),
+        ...placeMarks(set.places ?? []),
       ],
     };
   };

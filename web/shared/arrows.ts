@@ -1,5 +1,7 @@
 // Residuals as arrows: the scale that several sets share, and the room that they need.
+import * as Plot from "@observablehq/plot";
 import { leastShown, quantile, roundScale } from "./format";
+import { palette } from "./palette";
 import type { Arrows } from "./types";
 
 export const inImage = (set: Arrows) => (set.plane ?? "image_px") === "image_px";
@@ -32,3 +34,9 @@ export function bounds(set: Arrows, scale: number): number[] {
   const pad = 0.06 * Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys), 0.1);
   return [Math.min(...xs) - pad, Math.max(...xs) + pad, Math.min(...ys) - pad, Math.max(...ys) + pad];
 }
+
+/** Landmarks with their names. */
+export const placeMarks = (places: NonNullable<Arrows["places"]>): Plot.Markish[] => [
+  Plot.dot(places, { x: "x", y: "y", r: 4, fill: palette.card, stroke: palette.ink, strokeWidth: 1.4 }),
+  Plot.text(places, { x: "x", y: "y", text: "name", dx: 8, dy: -8, textAnchor: "start", fill: palette.ink }),
+];

@@ -88,6 +88,21 @@ export interface Histogram {
   counts: number[];
 }
 
+export interface Line {
+  name: string;
+  points: number[][];
+}
+
+export interface Series {
+  title?: string;
+  x: string;
+  y: string;
+  /** A way over the ground: one scale for both axes. */
+  plane?: "world_m";
+  rms?: number | null;
+  lines: Line[];
+}
+
 /** A parameter is written as a plain number or with its error. */
 export function asValue(parameter: Value | number): Value {
   return typeof parameter === "number" ? { value: parameter } : parameter;

@@ -1,5 +1,7 @@
 // One headless Chromium for a test, with what the page says on its console collected.
-import { existsSync } from "node:fs";
+import assert from "node:assert/strict";
+import { existsSync, readFileSync } from "node:fs";
+import { createRequire } from "node:module";
 
 export const chromium = process.env.SEAM_CHROMIUM ?? "/usr/bin/chromium";
 
@@ -72,4 +74,16 @@ export function faintTexts() {
     if (contrast < least) faint.add(`${contrast.toFixed(2)} "${node.textContent.trim().slice(0, 40)}"`);
   }
   return [...faint];
+}
+
+let axe = "";
+
+/** No faint text, nothing wider than the window, no finding of axe. */
+export async function fits(page, what, colorScheme) {
+  const over = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  assert.ok(over <= 0, `${what}: ${over} px wider than the window`);
+  assert.deepEqual(await page.evaluate(faintTexts), [], `${what}: faint texts, ${colorScheme}`);
+  axe ||= readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+  const found = await page.evaluate(`(() => { ${axe}; return axe.run({ runOnly: ["wcag2a", "wcag2aa", "wcag21aa"] }); })()`);
+  assert.deepEqual(found.violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.html.slice(0, 90)).join(" | ")}`), [], what);
 }

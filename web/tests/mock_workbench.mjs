@@ -118,7 +118,7 @@ export class MockSession {
       command: this.sets.open ? this.command : "", job: null, selection: this.selection, left_out: this.leftOut,
       versions: this.sets.open ? this.versions.map(({ model: _, ...one }) => one) : [],
       recent: [{ name: "points-a", path: "/data/points-a", kind: "points", title: "Calibration room" }],
-      samples: ["points-a", "real-servo", "photometry-a"].map((name) => ({ name, path: `samples/${name}`, title: name, kind: "sample" })),
+      samples: ["points", "joints", "photometry"].map((kind) => ({ name: kind, path: `sample:${kind}`, title: `A sample of ${kind}`, kind })),
       set: this.sets.open ? { title: "Calibration room seen from a swinging head <img src=x>", kind: "points", folder: "/data/points-a",
         file: "points.csv", rows: this.world.n, groups: this.world.n / perGroup, group: "frame", image, columns,
         noise: { u_px: noise, v_px: noise }, noise_estimated: false,
@@ -152,6 +152,20 @@ export class MockSession {
       not_testable: [{ effect: "clock_offset", parameter: "offset_s", why: "the recording lasts 8 s only" }],
       progress: done < all.length ? { done, of: all.length } : null };
   }
+}
+
+/** A striped frame, which the line delay shears. */
+function seen({ changes, head_rate_radps, coarse }) {
+  const [width_px, height_px] = coarse ? [89, 72] : [image.width_px, image.height_px];
+  const shear = 400 * (changes.rolling_shutter?.line_delay_s ?? 0) * head_rate_radps;
+  const head = JSON.stringify({ width_px, height_px }).padEnd(40), bytes = Buffer.alloc(4 + 40 + 3 * width_px * height_px);
+  bytes.writeUInt32LE(40);
+  bytes.write(head, 4);
+  for (let i = 0; i < width_px * height_px; ++i) {
+    const stripe = Math.sin((i % width_px) / 5 + shear * Math.floor(i / width_px)) > 0 ? 220 : 30;
+    bytes.fill(stripe, 44 + 3 * i, 47 + 3 * i);
+  }
+  return bytes;
 }
 
 const refuse = (status, error, more = {}) => ({ status, body: { error, ...more } });
@@ -191,7 +205,12 @@ function write(session, path, body) {
       session.sets.open = true;
       break;
     case "upload":
-      return refuse(400, "column u_px has no number: 'x' found; write a number or leave the row out", { file: "points.csv", line: 17 });
+      return { status: 200, body: { import: { dropped: "dropped", kind: "kalibr" } } };
+    case "import":
+      if (!body.options.map) return refuse(400, "points.csv:17: column u_px: found 'x', expected a number");
+      session.sets.open = true;
+      break;
+    case "see": return { status: 200, body: seen(body) };
     case "formula/check": {
       const at = body.text.indexOf("?");
       return { status: 200, body: at >= 0 ? { ok: false, error: `'?' is no operator`, line: 1, column: at + 1 } : { ok: true, parameters: ["k"] } };
@@ -224,6 +243,12 @@ function read(session, path, query) {
       return table(n, { error, parameters: session.candidate(effect, 1).parameters, how: "linear" }, residualColumns(n, r));
     }
     case "search": return session.search(session.slow ? 2 : Infinity);
+    case "see": return { effects: [{ name: "rolling_shutter", in_model: false, help: "rows one after the other", parameters: [
+      { name: "line_delay_s", value: 0, low: -4e-4, high: 4e-4, help: "s a row" }] },
+    { name: "pinhole", in_model: true, help: "a lens", parameters: [{ name: "fx_px", value: 161.9, low: 113, high: 210, help: "px" }] }] };
+    case "imports": return { most_bytes: 5000, kinds: [
+      { name: "kalibr", what: "corners as CSV", help: "corners as CSV", options: ["board", "map"], quantities: ["u", "v"] },
+      { name: "servo", what: "logs of a servo", help: "logs", options: ["unit", "map"], quantities: ["command", "measured"] }] };
     case "script": return `#!/bin/sh\nset -e\n${session.versions.map((one) => one.command).join("\n")}\n`;
     case "formula": return { stages: [{ name: "geometry", form: "", variables: [{ name: "row", unit: "px", meaning: "row of the image" },
       { name: "pan_rate", unit: "rad/s", meaning: "rate of the pan joint" }] }, { name: "timing", form: "", variables: [] }] };
@@ -273,7 +298,7 @@ export function serve(share, session = new MockSession()) {
     const body = request.headers["content-type"]?.startsWith("application/json") ? JSON.parse(text) : {};
     if (path === "selection") session.selection = body.ranges;
     const { status, body: answer } = write(session, path, body);
-    return send(status, answer);
+    return send(status, answer, answer instanceof Buffer ? "application/octet-stream" : undefined);
   });
   return new Promise((resolve) => server.listen(0, "127.0.0.1", () => resolve({
     url: `http://127.0.0.1:${server.address().port}/`, session, emit,

@@ -2,18 +2,16 @@
 // reload; with the mouse, on a narrow page, and by the keyboard alone. Each screen is looked at light and dark, wide and narrow.
 // `workbench.test.mjs SHARE`.
 import assert from "node:assert/strict";
-import { existsSync, readFileSync } from "node:fs";
-import { createRequire } from "node:module";
+import { existsSync } from "node:fs";
 import { join } from "node:path";
-import { faintTexts, launch, openPage, skip, until } from "./browser.mjs";
+import { fits, launch, openPage, skip, until } from "./browser.mjs";
 import { MockSession, serve } from "./mock_workbench.mjs";
 
 const share = process.argv[2];
 if (!existsSync(join(share, "workbench/index.html"))) skip(`${share}/workbench was not built`);
 const shots = process.env.SEAM_SCREENSHOTS;
-const screens = ["Data", "Work", "Formula", "Plan", "Session"];
+const screens = ["Data", "Work", "Formula", "See it", "Plan", "Session"];
 const wide = { width: 1280, height: 800 }, narrow = { width: 390, height: 844 };
-const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
 async function opened(browser, server, size, colorScheme = "light") {
   const { page, errors } = await openPage(browser, size);
@@ -30,15 +28,6 @@ const error = async (page) => Number(await page.locator(".figure-of-merit b").fi
 const option = (page, name) => page.locator(`#candidate-${name}`);
 const bandOf = (page) => page.locator(".figures").getAttribute("data-preview");
 
-/** No faint text, nothing wider than the window, no finding of axe. */
-async function fits(page, what, colorScheme) {
-  const over = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
-  assert.ok(over <= 0, `${what}: ${over} px wider than the window`);
-  assert.deepEqual(await page.evaluate(faintTexts), [], `${what}: faint texts, ${colorScheme}`);
-  const found = await page.evaluate(`(() => { ${axe}; return axe.run({ runOnly: ["wcag2a", "wcag2aa", "wcag21aa"] }); })()`);
-  assert.deepEqual(found.violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.html.slice(0, 90)).join(" | ")}`), [], what);
-}
-
 async function lookAtScreens(browser, size, colorScheme) {
   const server = await serve(share);
   const { page, errors } = await opened(browser, server, size, colorScheme);
@@ -46,6 +35,7 @@ async function lookAtScreens(browser, size, colorScheme) {
     if (name === "Open") await page.locator(".brand").click();
     else await toScreen(page, name);
     if (name === "Session") await page.locator("pre.script").waitFor();
+    if (name === "See it") await page.locator(".frames[data-quality=fine]").waitFor();
     if (name === "Formula") await page.locator(".cm-content").waitFor();
     await page.waitForTimeout(150);
     await fits(page, `${name}, ${size.width} px`, colorScheme);
@@ -156,7 +146,7 @@ async function byKeyboard(browser) {
   await page.locator(".context.previewing[data-preview=rolling_shutter][data-how=linear]").waitFor();
   await page.keyboard.press("Enter");
   await until(page, () => document.querySelector(".headline")?.textContent.startsWith("Adequate"));
-  await page.keyboard.press("Alt+5");
+  await page.keyboard.press("Alt+6");
   await page.locator(".tree").waitFor();
   assert.deepEqual(errors, [], "console");
   await page.close();
@@ -176,6 +166,26 @@ async function onTelephone(browser) {
   assert.deepEqual(errors, [], "console");
   await page.close();
   server.close();
+}
+
+/** Files of another program: too many, with an error by file and line, with a map of their columns. */
+async function importFiles(page) {
+  const choose = (bytes) => page.getByLabel("choose files").setInputFiles({ name: "points.csv", mimeType: "text/csv",
+    buffer: Buffer.alloc(bytes, "x") });
+  await choose(6000);
+  await page.getByText(/at most 0 MB can be dropped/).waitFor();
+  await choose(10);
+  const form = page.getByRole("form", { name: "Import" });
+  await form.getByText("points.csv:17: column u_px: found 'x', expected a number").waitFor();
+  assert.equal(await form.getByLabel("These files are").inputValue(), "kalibr", "the import is recognised");
+  for (const scheme of ["light", "dark"]) {
+    await page.emulateMedia({ colorScheme: scheme, reducedMotion: "reduce" });
+    await fits(page, "Import", scheme);
+  }
+  if (shots) await page.screenshot({ path: join(shots, "workbench_Import_1280.png") });
+  await form.getByLabel("--map").fill("u=x,v=y");
+  await page.keyboard.press("Enter");
+  await page.locator(".head .headline").waitFor();
 }
 
 /** A second tab, a search under way, what cannot be opened. */
@@ -211,8 +221,7 @@ async function otherStates(browser) {
   await page.getByLabel("Folder of a measurement set").fill("nothing");
   await page.getByRole("button", { name: "Open", exact: true }).click();
   await page.getByText("nothing: there is no such folder").waitFor();
-  await page.getByLabel("choose files").setInputFiles({ name: "points.csv", mimeType: "text/csv", buffer: Buffer.from("u_px\nx\n") });
-  await page.getByText("points.csv:17: column u_px has no number").waitFor();
+  await importFiles(page);
   await page.close();
   server.close();
 }

@@ -2,11 +2,11 @@
 // narrow one; then the other kinds of measurements in short. `workbench_real.test.mjs SHARE SEAM SOURCE`.
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
-import { existsSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { launch, openPage, skip, until } from "./browser.mjs";
-import { makeSets } from "./made_sets.mjs";
+import { fits, launch, openPage, skip, until } from "./browser.mjs";
+import { makeRoom, samples, titles } from "./made_sets.mjs";
 
 const [share, seam, source] = process.argv.slice(2);
 if (!existsSync(join(share, "workbench/index.html"))) skip(`${share}/workbench was not built`);
@@ -21,8 +21,7 @@ function run(program, words, environment = {}) {
 
 /** The program with sessions beside `session`, and the address that it prints. */
 async function serve(session) {
-  const sets = ["room", "servo", "flats", "walk"].map((name) => join(scratch, name));
-  const process_ = spawn(seam, ["workbench", ...sets, "--session", session], {
+  const process_ = spawn(seam, ["workbench", join(scratch, "camera"), "--session", session], {
     cwd: scratch, stdio: ["ignore", "pipe", "inherit"], env: { ...process.env, XDG_STATE_HOME: session, SEAM_WORKBENCH_DIR: join(share, "workbench") } });
   const address = await new Promise((done, fail) => {
     let text = "";
@@ -146,31 +145,91 @@ async function repeat(page, session) {
     assert.deepEqual(readFileSync(join(again, name)), readFileSync(join(session, name)), name);
 }
 
-async function openFrom(page, name) {
-  await page.locator(".brand").click();
-  await page.getByLabel("Folder of a measurement set").fill(join(scratch, name));
-  await page.getByRole("button", { name: "Open", exact: true }).click();
+/** Plots of each kind beside those that all have. */
+const plotsOf = {
+  servo: [/command and answer/, /phase plane/], flats: [/light levels/, /photon transfer/],
+  walk: [/from above/, /drift of the free prediction/],
+};
+
+/** Tab, as often as it takes, until what has the focus fits. */
+async function tabTo(page, wanted, most = 80) {
+  for (let i = 0; i < most; ++i) {
+    await page.keyboard.press("Tab");
+    const text = await page.evaluate(() => {
+      const at = document.activeElement;
+      return `${at?.getAttribute("role") ?? ""} ${at?.getAttribute("aria-label") ?? ""} ${at?.textContent ?? ""}`;
+    });
+    if (wanted.test(text)) return;
+  }
+  throw new Error(`the keyboard does not reach ${wanted}`);
 }
 
-/** The same in short: the best candidate of another kind of measurement is the cause, and its error falls. */
-async function inShort(page, name, cause) {
-  await openFrom(page, name);
+/** Another kind of measurement in short, by the keyboard alone: the cause is a candidate, and with it the error falls. */
+async function inShort(page, name) {
+  await page.emulateMedia({ colorScheme: "light", reducedMotion: "reduce" });
+  await page.locator(".brand").focus();
+  await page.keyboard.press("Enter");
+  await tabTo(page, titles[name]);
+  await page.keyboard.press("Enter");
+  await page.locator(".work").waitFor();
   await shows(page, "001");
   const first = await error(page);
-  await page.locator('[data-plot="residual against covariate"] [data-drawn=true]').waitFor();
-  await preview(page, cause);
+  for (const plot of plotsOf[name])
+    assert.ok(await page.locator(".figures").getByRole("heading", { name: plot }).count(), `${name}: the plot ${plot}`);
+  await option(page, samples[name]).waitFor({ state: "attached", timeout: limit_ms });
+  if (page.viewportSize().width < 700) {
+    await tabTo(page, /Structure and candidates/);
+    await page.keyboard.press("Enter");
+  }
+  await tabTo(page, /^listbox/);
+  const at = await page.evaluate((id) => [...document.querySelectorAll("[role=option]")].findIndex((one) => one.id === id),
+    `candidate-${samples[name]}`);
+  for (let i = 0; i <= at; ++i) await page.keyboard.press("ArrowDown");
+  await page.locator(`.context.previewing[data-preview="${samples[name]}"]:is([data-how=fit], [data-how=linear])`).waitFor({ state: "attached" });
+  assert.equal(await page.locator(".figures").getAttribute("data-preview"), `With ${samples[name]}`);
   await shot(page, name);
-  await add(page);
+  await page.keyboard.press("Enter");
   await shows(page, "002");
   const second = await error(page);
   assert.ok(first > 1.2 && second < 0.7 * first, `${name}: the error goes from ${first} to ${second}`);
+  for (const colorScheme of ["light", "dark"]) {
+    await page.emulateMedia({ colorScheme, reducedMotion: "reduce" });
+    await page.waitForTimeout(300);
+    await fits(page, `${name}, ${page.viewportSize().width} px`, colorScheme);
+    await shot(page, `${name}_${colorScheme}`);
+  }
   await page.reload();
   await shows(page, "002");
   assert.equal(await error(page), second);
 }
 
+/** The frames of the model that rolling_shutter came from, and with it; a slider moves them. */
+async function seeIt(page) {
+  await toScreen(page, "See it");
+  const frames = page.locator(".frames");
+  await page.locator(".frames[data-quality=fine]").waitFor();
+  const difference = () => page.locator(".frame canvas").last().evaluate((canvas) => canvas.toDataURL());
+  assert.equal(await page.getByLabel("Version before").inputValue(), "001");
+  await page.locator(".toast").waitFor({ state: "detached" });
+  const turning = await difference();
+  await shot(page, "see_it");
+  const times = [];
+  await page.getByLabel("head speed").focus();
+  for (let i = 0; i < 5; ++i) {
+    await page.keyboard.press("ArrowLeft");
+    await page.locator(".frames[data-quality=coarse]").waitFor();
+    times.push(Number(await frames.getAttribute("data-took-ms")));
+    await page.locator(".frames[data-quality=fine]").waitFor();
+  }
+  console.log(`a slider's frames: ${times.join(", ")} ms`);
+  await until(page, () => document.querySelector(".frames").dataset.quality === "fine");
+  assert.notEqual(await difference(), turning, "the frames follow the slider");
+  await fits(page, `See it, ${page.viewportSize().width} px`, "light");
+}
+
 async function journey(browser, size) {
-  const session = join(scratch, `work-${size.width}`);
+  const session = join(scratch, `${size.width}`, "work"); // Samples are made beside it.
+  mkdirSync(join(scratch, `${size.width}`));
   const server = await serve(session);
   const { page, errors } = await openPage(browser, size);
   try {
@@ -182,8 +241,8 @@ async function journey(browser, size) {
     await screens(page);
     await exportAndReload(page, session);
     await repeat(page, session);
-    if (size.width > 700)
-      for (const [name, cause] of [["servo", "servo_lag"], ["flats", "vignetting"], ["walk", "odometry_scale"]]) await inShort(page, name, cause);
+    await seeIt(page);
+    for (const name of Object.keys(plotsOf)) await inShort(page, name);
     assert.deepEqual(errors, [], "console");
   } catch (failed) {
     await shot(page, "failed");
@@ -196,7 +255,7 @@ async function journey(browser, size) {
 
 const browser = await launch();
 try {
-  makeSets(scratch, source, (words) => run(seam, words));
+  makeRoom(join(scratch, "camera"), source, (words) => run(seam, words));
   for (const size of [{ width: 1280, height: 800 }, { width: 390, height: 844 }]) {
     const from = performance.now();
     await journey(browser, size);

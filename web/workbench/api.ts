@@ -1,6 +1,7 @@
 // The server's answers (docs/reference/workbench_api.md) and how they are asked for.
 import type { Parameters } from "../shared/types";
-import { decode, residualsOf, rowsOf } from "./columns";
+import { decode, headOf, residualsOf, rowsOf } from "./columns";
+import type { Named } from "./dropped";
 import type { LeftOut, Search, Session } from "./model";
 import type { Residuals, Rows } from "./rows";
 import type { Range } from "./selection";
@@ -65,11 +66,32 @@ export const script = async () => (await ask("script")).text();
 export const select = (ranges: Range[]) => ask("selection",
   { method: "PUT", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ ranges }) });
 
-export function upload(files: File[]): Promise<Session> {
-  const form = new FormData();
-  for (const file of files) form.append("files", file, file.webkitRelativePath || file.name);
-  return stateOf(json("upload", { method: "POST", body: form }));
+/** What an import must know of files that are no set: where the server keeps them, and which import reads them. */
+export interface Dropped {
+  dropped: string;
+  kind: string;
 }
+
+export interface ImportKind {
+  name: string;
+  what: string;
+  help: string;
+  options: string[];
+  quantities: string[];
+}
+
+export const imports = () => json<{ kinds: ImportKind[]; most_bytes: number }>("imports");
+
+/** The session of a set, or what an import of other files must know. */
+export async function upload(files: Named[]): Promise<Session | Dropped> {
+  const form = new FormData();
+  for (const { path, file } of files) form.append("files", file, path);
+  const answer = await json<WireState | { import: Dropped }>("upload", { method: "POST", body: form });
+  return "import" in answer ? answer.import : sessionOf(answer);
+}
+
+export const importDropped = (dropped: string, kind: string, options: Record<string, string>) =>
+  stateOf(post("import", { dropped, kind, options }));
 
 /** Null while the version has not been looked at. */
 export async function rows(version: string): Promise<{ rows: Rows; residuals: Residuals } | null> {
@@ -166,3 +188,42 @@ export interface PlanAnswer {
 }
 
 export const plan = (body: { effects: string[] }) => post<PlanAnswer>("plan", body);
+
+/** An effect that shows in images, with the span of a slider for each of its parameters. */
+export interface Slider {
+  name: string;
+  in_model: boolean;
+  help: string;
+  parameters: { name: string; value: number; low: number; high: number; help: string }[];
+}
+
+export const sliders = (version: string) => json<{ effects: Slider[] }>(`see?version=${encodeURIComponent(version)}`);
+
+export interface SeenFrame {
+  width_px: number;
+  height_px: number;
+  rgb: Uint8Array;
+}
+
+export async function see(body: { version: string; changes: Record<string, Record<string, number>>; head_rate_radps: number;
+  coarse: boolean }): Promise<SeenFrame> {
+  const response = await ask("see", { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
+  const bytes = await response.arrayBuffer();
+  const head = headOf<{ width_px: number; height_px: number }>(bytes);
+  return { ...head.json, rgb: new Uint8Array(bytes, head.end) };
+}
+
+/** Some whole images of a set, as measured or as predicted. */
+export interface Strip {
+  frames: { row: number; line: number; name: string }[];
+  images: SeenFrame[];
+}
+
+export async function strip(version: string, of: { what?: "measured"; effect?: string }): Promise<Strip | null> {
+  const response = await ask(`frames?${new URLSearchParams({ version, ...of })}`);
+  if (response.status === 202) return null;
+  const bytes = await response.arrayBuffer();
+  const { json: { frames, width_px, height_px }, end } = headOf<Pick<Strip, "frames"> & { width_px: number; height_px: number }>(bytes);
+  const size = 3 * width_px * height_px;
+  return { frames, images: frames.map((_, k) => ({ width_px, height_px, rgb: new Uint8Array(bytes, end + k * size, size) })) };
+}

@@ -4,6 +4,7 @@ import { DataScreen } from "./data";
 import { FormulaScreen } from "./formula";
 import { OpenScreen } from "./open";
 import { PlanScreen } from "./plan";
+import { SeeScreen } from "./see";
 import { SessionScreen } from "./tree";
 import { WorkScreen } from "./work";
 import { busy, connected, notice, problem, redo, refused, restore, saved, say, screen, screens, session, undo } from "./store";
@@ -18,7 +19,7 @@ function useKeys(): void {
       else if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z") {
         event.preventDefault();
         void (event.shiftKey ? redo() : undo());
-      } else if (event.altKey && /^[1-5]$/.test(event.key) && session.value?.set) {
+      } else if (event.altKey && session.value?.set && screens[Number(event.key) - 1]) {
         event.preventDefault();
         screen.value = screens[Number(event.key) - 1][0];
       }
@@ -53,6 +54,7 @@ function bodyOf(name: string) {
     case "open": return <OpenScreen />;
     case "data": return <DataScreen />;
     case "formula": return <FormulaScreen />;
+    case "see": return <SeeScreen />;
     case "plan": return <PlanScreen />;
     case "session": return <SessionScreen />;
     default: return <WorkScreen />;

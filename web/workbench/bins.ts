@@ -116,10 +116,9 @@ export interface Group {
   error: number;
 }
 
-export function groupsOf(rows: Rows, residuals: Residuals): Group[] {
-  const ids = rows.column("group");
+/** `ids`: the group of each row; groups that are held out have `held`. */
+export function groupsOf(rows: Rows, residuals: Residuals, ids: Numbers | undefined, held?: Numbers): Group[] {
   if (!ids) return [];
-  const held = rows.column("held_out");
   const found = new Map<number, Group & { squares: number }>();
   for (const name of residuals.channels) {
     const r = residuals.r.get(name)!, s = residuals.s.get(name)!;

@@ -3,6 +3,7 @@ import { signal } from "@preact/signals";
 import { count, number, splitUnit, words } from "../shared/format";
 import { Rich } from "../shared/rich";
 import { DataTable, type Column } from "../shared/table";
+import { Picture } from "./picture";
 import { choose, clearSelection, rowsOf, selection } from "./selection";
 import { leaveOut, look, session, takeBack, view } from "./store";
 
@@ -26,6 +27,7 @@ export function Chosen() {
           <p class="hint">{chosen.what}</p>
           <LeaveOut />
           <RowTable />
+          <Picture view={view.value!} />
         </>}
       <LeftOutList />
     </section>
@@ -101,7 +103,7 @@ function RowTable() {
       <p class="quiet small">lines of <code>{session.value!.set!.file}</code></p>
       <DataTable columns={columns} rows={rowsOf(selection.value, listed).map((i) => ({ cells: [
         cell("line", i) ?? i + 1,
-        cell("group", i) ?? "",
+        rows.words.names?.group?.[cell("group", i) ?? -1] ?? cell("group", i) ?? "",
         ...residuals.channels.map((name) => {
           const r = residuals.r.get(name)![i], s = residuals.s.get(name)![i];
           return Number.isFinite(r) ? <span class="num"><Rich text={`${number(r)} ${splitUnit(name).unit}`} />{" "}

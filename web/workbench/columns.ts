@@ -1,17 +1,22 @@
 // A binary table of the server: the length of its head (4 bytes, little-endian), the head as JSON, then columns of 32-bit
 // floats in the head's order.
-import { Rows, type Numbers, type Residuals } from "./rows";
+import { Rows, type Numbers, type Residuals, type Names } from "./rows";
 
 export interface Table {
-  head: { n: number; columns: string[]; channels: string[] };
+  head: { n: number; columns: string[]; channels: string[] } & Names;
   columns: Map<string, Numbers>;
 }
 
-export function decode(buffer: ArrayBuffer): Table {
+/** What a binary answer begins with, and where the rest begins. */
+export function headOf<T>(buffer: ArrayBuffer): { json: T; end: number } {
   const length = new DataView(buffer).getUint32(0, true);
-  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length))) as Table["head"];
+  return { json: JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length))) as T, end: 4 + length };
+}
+
+export function decode(buffer: ArrayBuffer): Table {
+  const { json: head, end } = headOf<Table["head"]>(buffer);
   const columns = new Map<string, Numbers>();
-  let at = 4 + length;
+  let at = end;
   for (const name of head.columns) {
     columns.set(name, new Float32Array(buffer, at, head.n));
     at += 4 * head.n;
@@ -21,8 +26,12 @@ export function decode(buffer: ArrayBuffer): Table {
 
 const isResidual = (name: string) => name.startsWith("r:") || name.startsWith("s:");
 
+const isMeasured = (name: string) => name.startsWith("d:");
+
 export function rowsOf({ head, columns }: Table): Rows {
-  return new Rows(head.n, new Map([...columns].filter(([name]) => !isResidual(name))));
+  const all = [...columns];
+  return new Rows(head.n, new Map(all.filter(([name]) => !isResidual(name) && !isMeasured(name))),
+    new Map(all.filter(([name]) => isMeasured(name)).map(([name, values]) => [name.slice(2), values])), head);
 }
 
 export function residualsOf({ head, columns }: Table): Residuals {

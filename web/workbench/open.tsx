@@ -1,27 +1,12 @@
 // Open measurements: a folder's path, files dropped or chosen, samples, and what was open before.
 import { signal } from "@preact/signals";
-import * as api from "./api";
+import { filesChosen, filesDropped } from "./dropped";
+import { ImportForm, receive } from "./import";
 import type { Place } from "./model";
-import { busy, openPlace, problem, screen, session, take } from "./store";
+import { busy, openPlace, screen, session } from "./store";
 
 const path = signal("");
 const over = signal(false);
-
-async function openFiles(list: FileList | null | undefined): Promise<void> {
-  const files = [...(list ?? [])];
-  if (files.length === 0) return;
-  busy.value = "reading the files";
-  problem.value = "";
-  try {
-    take(await api.upload(files));
-    screen.value = "work";
-  } catch (error) {
-    const { file, line } = error instanceof api.Refusal ? error.details : {};
-    problem.value = `${file ? `${file}${line ? `:${line}` : ""}: ` : ""}${(error as Error).message}`;
-  } finally {
-    busy.value = "";
-  }
-}
 
 async function openPath(at: string): Promise<void> {
   if (await openPlace(at)) screen.value = "work";
@@ -36,10 +21,13 @@ export function OpenScreen() {
         it, and keeps each step as files.</p>
       <div class={over.value ? "drop over" : "drop"} onDragOver={(e) => { e.preventDefault(); over.value = true; }}
         onDragLeave={() => (over.value = false)}
-        onDrop={(e) => { e.preventDefault(); over.value = false; void openFiles(e.dataTransfer?.files); }}>
-        <p><b>Drop files here</b>, as <code>seam import</code> reads them, or{" "}
+        onDrop={(e) => { e.preventDefault(); over.value = false; void filesDropped(e.dataTransfer).then(receive); }}>
+        <p><b>Drop files or a folder here</b>: pictures of a board, logs, tables, a measurement set. Or{" "}
           <label class="file">choose files
-            <input type="file" multiple onChange={(e) => void openFiles(e.currentTarget.files)} /></label></p>
+            <input type="file" multiple onChange={(e) => void receive(filesChosen(e.currentTarget.files))} /></label> or{" "}
+          <label class="file">a folder
+            <input type="file" {...{ webkitdirectory: true }} onChange={(e) => void receive(filesChosen(e.currentTarget.files))} /></label>.</p>
+        <ImportForm />
         <form onSubmit={(e) => { e.preventDefault(); void openPath(path.value.trim()); }}>
           <label>Folder of a measurement set
             <input value={path.value} placeholder="sets/points-a" required onInput={(e) => (path.value = e.currentTarget.value)} /></label>
@@ -62,7 +50,7 @@ function Places({ title, places, empty }: { title: string; places: Place[]; empt
           {places.map((place) => (
             <li key={place.path}><button type="button" disabled={busy.value !== ""} onClick={() => void openPath(place.path)}>
               <b>{place.title ?? place.name}</b>
-              <span class="quiet">{place.kind && `${place.kind} · `}{place.path}</span>
+              <span class="quiet">{place.kind}{!place.path.startsWith("sample:") && ` · ${place.path}`}</span>
             </button></li>
           ))}
         </ul>

@@ -5,7 +5,8 @@ import type { Numbers } from "./rows";
 
 const dotsAtMost = 6000;
 
-function channels(colour: string): [number, number, number] {
+/** Red, green and blue of #rrggbb. */
+export function channels(colour: string): [number, number, number] {
   const hex = colour.replace("#", "");
   return [0, 2, 4].map((at) => parseInt(hex.slice(at, at + 2), 16)) as [number, number, number];
 }
@@ -39,13 +40,46 @@ export function paintDots(context: CanvasRenderingContext2D, frame: Frame, x: Nu
   context.putImageData(image, left, top);
 }
 
-/** The rows of a selection over the others. */
+/** The rows of a selection over the others; `only` of these rows, where they are given. */
 export function paintChosen(context: CanvasRenderingContext2D, frame: Frame, x: Numbers, y: Numbers, mask: Uint8Array,
-  colour: string) {
+  colour: string, only?: Iterable<number>) {
   context.fillStyle = colour;
-  for (let i = 0; i < x.length; ++i) {
+  for (const i of only ?? x.keys()) {
     if (mask[i] && y[i] - y[i] === 0) context.fillRect(frame.x(x[i]) - 1.7, frame.y(y[i]) - 1.7, 3.4, 3.4);
   }
+}
+
+/** A line through rows in their order; it breaks where a value is missing. */
+export function paintPath(context: CanvasRenderingContext2D, frame: Frame, rows: Iterable<number>, x: Numbers, y: Numbers,
+  colour: string, alpha: number) {
+  context.strokeStyle = colour;
+  context.globalAlpha = alpha;
+  context.lineWidth = 1.2;
+  context.beginPath();
+  let broken = true;
+  for (const i of rows) {
+    const known = y[i] - y[i] === 0;
+    if (known && broken) context.moveTo(frame.x(x[i]), frame.y(y[i]));
+    else if (known) context.lineTo(frame.x(x[i]), frame.y(y[i]));
+    broken = !known;
+  }
+  context.stroke();
+  context.globalAlpha = 1;
+}
+
+/** A straight line for each row, from one place to another. */
+export function paintRays(context: CanvasRenderingContext2D, frame: Frame, rows: Iterable<number>,
+  [fromX, fromY, toX, toY]: Numbers[], colour: string, alpha: number) {
+  context.strokeStyle = colour;
+  context.globalAlpha = alpha;
+  context.lineWidth = 0.7;
+  context.beginPath();
+  for (const i of rows) {
+    context.moveTo(frame.x(fromX[i]), frame.y(fromY[i]));
+    context.lineTo(frame.x(toX[i]), frame.y(toY[i]));
+  }
+  context.stroke();
+  context.globalAlpha = 1;
 }
 
 /** Every k-th row as an arrow of `scale` times its shift. */

@@ -34,14 +34,29 @@ function orderOf(values: Numbers): Uint32Array {
   return order;
 }
 
+export interface Names {
+  names?: Record<string, string[]>;
+  places?: { name: string; x: number; y: number }[];
+}
+
 export class Rows {
   readonly n: number;
+  /** Names that columns of numbers stand for, and landmarks. */
+  readonly words: Names;
   private readonly columns: Map<string, Numbers>;
+  private readonly measured: Map<string, Numbers>;
   private readonly orders = new Map<string, Uint32Array>();
 
-  constructor(n: number, columns: Map<string, Numbers>) {
+  constructor(n: number, columns: Map<string, Numbers>, measured = new Map<string, Numbers>(), words: Names = {}) {
     this.n = n;
     this.columns = columns;
+    this.measured = measured;
+    this.words = words;
+  }
+
+  /** What was measured or commanded, by its name in the set's files. */
+  data(name: string): Numbers | undefined {
+    return this.measured.get(name);
   }
 
   get names(): string[] {

@@ -8,10 +8,10 @@ import type { View } from "./plots/view";
 import type { Residuals, Rows } from "./rows";
 import { clearSelection, fromRanges, rangesOf, selection } from "./selection";
 
-export type Screen = "open" | "data" | "work" | "formula" | "plan" | "session";
+export type Screen = "open" | "data" | "work" | "formula" | "see" | "plan" | "session";
 
-export const screens: [Screen, string][] = [["data", "Data"], ["work", "Work"], ["formula", "Formula"], ["plan", "Plan"],
-  ["session", "Session"]];
+export const screens: [Screen, string][] = [["data", "Data"], ["work", "Work"], ["formula", "Formula"], ["see", "See it"],
+  ["plan", "Plan"], ["session", "Session"]];
 
 export const screen = signal<Screen>("open");
 export const session = signal<Session | null>(null);
@@ -114,10 +114,11 @@ function preselect(structure: Structure[] | null): void {
   const now = loaded.value;
   if (!now) return;
   const found = (structure ?? []).find((item) => now.residuals.r.has(item.residual) && now.rows.has(item.covariate));
-  const channel = now.residuals.channels[0];
+  const residual = now.residuals.channels[0];
+  const covariate = ["time", "row", "group"].find((name) => now.rows.has(name)) ?? now.rows.names[0];
+  // Whole images have no covariates by row.
   look.value = found ? { residual: found.residual, covariate: found.covariate, moment: found.moment }
-    : { residual: channel, moment: "mean",
-      covariate: ["time", "row", "group"].find((name) => now.rows.has(name)) ?? now.rows.names[0] };
+    : residual && covariate ? { residual, covariate, moment: "mean" } : null;
 }
 
 let structureFor = "";
@@ -220,6 +221,19 @@ export const redo = () => write("redo", () => api.redo(revision()));
 export const goTo = (id: string) => write("going to the version", () => api.goTo(revision(), id));
 export const setNote = (id: string, text: string) => write("saving the note", () => api.note(revision(), id, text));
 export const openPlace = (path: string) => write("opening", () => api.open(path));
+/** Imports what was dropped and opens it; says what is wrong, or nothing. */
+export async function openImport(dropped: string, kind: string, options: Record<string, string>): Promise<string> {
+  busy.value = "importing";
+  try {
+    take(await api.importDropped(dropped, kind, options));
+    return "";
+  } catch (error) {
+    return (error as Error).message;
+  } finally {
+    busy.value = "";
+  }
+}
+
 export const takeBack = (item: LeftOut) => write("taking rows back", () => api.takeBack(revision(), item));
 
 export async function applyFormula(stage: string, name: string, text: string): Promise<void> {

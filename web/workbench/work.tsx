@@ -74,7 +74,7 @@ function Context() {
         {found ? <>The {found.moment} of the <b>{words(name)}</b> residual varies with <b>{words(found.covariate)}</b>:{" "}
           <span class="num"><Rich text={number(found.strength)} /> {unit}</span>{now?.noise[item!.residual] && found.strength !== null &&
             found.moment === "mean" ? <span class="num">, {number(found.strength / now.noise[item!.residual], 2)} × the noise</span> : ""}</>
-          : item ? <>The <b>{words(name)}</b> residual against <b>{words(item.covariate)}</b></> : "Comparing …"}
+          : item ? <>The <b>{words(name)}</b> residual against <b>{words(item.covariate)}</b></> : view.value ? "" : "Comparing …"}
       </div>
     </div>
   );

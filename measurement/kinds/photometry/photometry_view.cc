@@ -51,6 +51,7 @@ ResidualView PhotometryProblem::residual_view(const Model& model, const Groups& 
                          offsets * square(predicted.offset_slope[i]) +
                          gain2 * square(predicted.gain_slope[i]));
       };
+      mean.observed.push_back(level.mean[i]);
       mean.residual.push_back(level.mean[i] - predicted.mean[i]);
       mean.sigma.push_back(sigma_of(n, square(chain.pixel_gain_sigma)));
       mean.row.push_back(at);

@@ -22,15 +22,19 @@ void Columns::add(const std::string& name, const std::vector<double>& values) {
     column[i] = static_cast<float>(values[i]);
 }
 
-std::string Columns::bytes(nlohmann::json head) const {
-  head["n"] = rows_;
-  head["columns"] = names_;
+std::string head_bytes(const nlohmann::json& head) {
   std::string text = head.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const auto length = static_cast<uint32_t>(text.size());
   std::string bytes(sizeof length, '\0');
   std::memcpy(bytes.data(), &length, sizeof length);
-  bytes += text;
+  return bytes + text;
+}
+
+std::string Columns::bytes(nlohmann::json head) const {
+  head["n"] = rows_;
+  head["columns"] = names_;
+  std::string bytes = head_bytes(head);
   for (const auto& column : columns_)
     bytes.append(reinterpret_cast<const char*>(column.data()), column.size() * sizeof(float));
   return bytes;

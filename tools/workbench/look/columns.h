@@ -10,6 +10,9 @@
 
 namespace seam::tools {
 
+// What a binary answer begins with: the head's length and the head, filled up to a multiple of 4.
+std::string head_bytes(const nlohmann::json& head);
+
 class Columns {
  public:
   explicit Columns(size_t rows) : rows_(rows) {}

@@ -14,6 +14,7 @@
 #include "measurement/report/report_data.h"
 #include "measurement/search/models/compare.h"
 #include "sim_core/base/error.h"
+#include "tools/workbench/look/frame_strip.h"
 #include "tools/workbench/look/prospects.h"
 #include "tools/workbench/look/row_table.h"
 #include "tools/workbench/look/set_json.h"
@@ -81,6 +82,11 @@ class Looker {
     write_file_atomically(out_ / name, content);
   }
 
+  // What only some kinds have.
+  void write_whole(const std::string& name, const std::string& content) const {
+    if (!content.empty()) write(name, content);
+  }
+
   void compare() {
     const auto result = measurement::compare(*problem_, model_, flags_.material);
     doubts_ = doubts_about(flags_, model_, result.base.assessment.error);
@@ -106,11 +112,15 @@ class Looker {
     }
     const Problem& all = whole_ ? *whole_ : *problem_;
     table_.emplace(all, *problem_);
-    write("rows.bin", whole_
-                          ? table_->rows(whole_->residual_view(fitted, whole_->all_groups()), view)
-                          : table_->rows(view, view));
+    const measurement::MeasurementSet set = open_set(flags_);
+    const measurement::DataColumns data = measurement::data_columns(all, set);
+    write("rows.bin",
+          whole_ ? table_->rows(whole_->residual_view(fitted, whole_->all_groups()), view, data)
+                 : table_->rows(view, view, data));
+    write_whole("frames.bin", measured_frames(*problem_, set));
+    write_whole("predicted.bin", predicted_frames(*problem_, set, fitted));
     json plots = json::object();
-    append_data_pictures(*problem_, open_set(flags_), view, nullptr, plots);
+    append_data_pictures(*problem_, set, view, nullptr, plots);
     write("data.json", plots.dump());
   }
 
@@ -144,6 +154,8 @@ class Looker {
   void preview(const std::string& how, const std::string& effect, const measurement::Model& model,
                json head) {
     const auto view = problem_->residual_view(model, problem_->all_groups());
+    write_whole("predicted-" + effect + ".bin",
+                predicted_frames(*problem_, open_set(flags_), model));
     write(how + effect + ".bin", table_->residuals(view, std::move(head)));
     const std::lock_guard lock(mutex_);
     say({{"event", "preview"}, {"effect", effect}});

@@ -27,7 +27,8 @@ RowTable::RowTable(const measurement::Problem& all, const measurement::Problem& 
   for (const int line : used.facts().line_of_row) places_.push_back(place_of_line.at(line));
 }
 
-std::string RowTable::rows(const ResidualView& of_all, const ResidualView& view) {
+std::string RowTable::rows(const ResidualView& of_all, const ResidualView& view,
+                           const measurement::DataColumns& data) {
   const Facts& facts = all_.facts();
   const size_t n = rows_of(of_all);
   rows_ = n;
@@ -48,6 +49,7 @@ std::string RowTable::rows(const ResidualView& of_all, const ResidualView& view)
     for (size_t i = 0; i < used_.facts().scalars(); ++i) {
       if (used_.left_out(i)) outlier[place_of(used_.facts().row_of[i])] = 1;
     }
+    for (const auto& [name, values] : data.columns) columns.add("d:" + name, values);
   }
   for (const auto& [name, values] : of_all.covariates) columns.add(name, values);
   if (of_all.channel("u_px") != nullptr && of_all.channel("v_px") != nullptr) {
@@ -55,7 +57,19 @@ std::string RowTable::rows(const ResidualView& of_all, const ResidualView& view)
     columns.add("v_px", of_all.covariate("row"));
   }
   add_residuals(view, columns);
-  return columns.bytes({{"channels", channels(view)}});
+  for (const ResidualView::Channel& channel : of_all.channels) {
+    if (channel.observed.empty()) continue;
+    std::vector<float>& column = columns.add("d:observed " + channel.name);
+    for (size_t i = 0; i < channel.row.size(); ++i)
+      column[static_cast<size_t>(channel.row[i])] = static_cast<float>(channel.observed[i]);
+  }
+  nlohmann::json places = nlohmann::json::array();
+  for (const auto& place : data.places)
+    places.push_back({{"name", place.name}, {"x", place.x}, {"y", place.y}});
+  auto names = data.names;
+  names["group"] = facts.groups;
+  return columns.bytes(
+      {{"channels", channels(view)}, {"names", std::move(names)}, {"places", std::move(places)}});
 }
 
 std::string RowTable::residuals(const ResidualView& view, nlohmann::json head) const {

@@ -6,6 +6,7 @@
 
 #include "measurement/problem/problem.h"
 #include "measurement/problem/residual_view.h"
+#include "measurement/report/columns/data_columns.h"
 #include "tools/workbench/look/columns.h"
 
 namespace seam::tools {
@@ -17,8 +18,10 @@ class RowTable {
   // `all` is the same set with no row left out, or the same problem.
   RowTable(const measurement::Problem& all, const measurement::Problem& used);
 
-  // Lines, groups, covariates and residuals; before any `residuals`.
-  std::string rows(const measurement::ResidualView& of_all, const measurement::ResidualView& view);
+  // Lines, groups, covariates, residuals and what was measured (columns `d:NAME`); before any
+  // `residuals`.
+  std::string rows(const measurement::ResidualView& of_all, const measurement::ResidualView& view,
+                   const measurement::DataColumns& data);
   // Residuals alone, with this head.
   std::string residuals(const measurement::ResidualView& view, nlohmann::json head) const;
 

@@ -7,21 +7,15 @@ import type { Box } from "../../shared/brush";
 import { number } from "../../shared/format";
 import { palette } from "../../shared/palette";
 import { paintArrows } from "../paint";
-import type { Rows } from "../rows";
 import { choose, rowsOf, selection } from "../selection";
-import { imageHeight, shownOf, type View } from "./view";
+import { everyFew, imageHeight, shownOf, type View } from "./view";
 
 const mostArrows = 1200;
-
-function everyFew(rows: Rows): Uint32Array {
-  const step = Math.max(1, Math.ceil(rows.n / mostArrows));
-  return Uint32Array.from({ length: Math.floor((rows.n + step - 1) / step) }, (_, i) => i * step);
-}
 
 export function ArrowPlot({ view }: { view: View }) {
   const { rows, before, image } = view;
   const [u, v] = [rows.column("u_px")!, rows.column("v_px")!];
-  const drawn = useMemo(() => everyFew(rows), [rows]);
+  const drawn = useMemo(() => everyFew(rows, mostArrows), [rows]);
   const scale = useMemo(() => {
     const [du, dv] = [before.r.get("u_px")!, before.r.get("v_px")!];
     const items = [...drawn].filter((i) => Number.isFinite(du[i]))

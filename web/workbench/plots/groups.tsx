@@ -5,6 +5,7 @@ import { Figure, type Frame } from "../../shared/figure";
 import { number, quantile } from "../../shared/format";
 import { palette } from "../../shared/palette";
 import { groupsOf, type Group } from "../bins";
+import type { Numbers, Residuals } from "../rows";
 import { choose, selection } from "../selection";
 import { shownOf, type View } from "./view";
 
@@ -39,36 +40,47 @@ function paintGroups(context: CanvasRenderingContext2D, frame: Frame, groups: Gr
   context.globalAlpha = 1;
 }
 
-export function GroupPlot({ view, name = "group" }: { view: View; name?: string }) {
+interface GroupProps {
+  view: View;
+  name?: string;
+  /** Of each row; without them the set's groups. */
+  ids?: Numbers;
+  /** Of the numbers in `ids`. */
+  labels?: string[];
+}
+
+export function GroupPlot({ view, name = "group", ids: given, labels }: GroupProps) {
   const { rows, before } = view;
-  const now = shownOf(view);
-  const first = useMemo(() => groupsOf(rows, before), [rows, before]);
-  const shown = useMemo(() => (now === before ? first : groupsOf(rows, now)), [now, first]);
+  const now = shownOf(view), ids = given ?? rows.column("group");
+  const sums = (of: Residuals) => groupsOf(rows, of, ids, given ? undefined : rows.column("held_out"));
+  const label = (id: number) => labels?.[id] ?? String(id);
+  const first = useMemo(() => sums(before), [rows, before]);
+  const shown = useMemo(() => (now === before ? first : sums(now)), [now, first]);
   const top = Math.max(1.6, 1.1 * quantile(first.map((group) => group.error), 0.97));
   const draw = useCallback((width: number): Plot.PlotOptions => ({
     height: 220, marginLeft: 46, marginBottom: 38, marginTop: 26,
     x: { domain: [-0.7, first.length - 0.3], label: name, tickSize: 4, ticks: Math.min(first.length, width < 420 ? 5 : 8),
-      tickFormat: (k: number) => (Number.isInteger(k) && first[k] ? String(first[k].id) : "") },
+      tickFormat: (k: number) => (Number.isInteger(k) && first[k] ? label(first[k].id) : "") },
     y: { domain: [0, top], label: "error (1 = the noise)", ticks: 4, tickSize: 4, grid: true },
     marks: [Plot.ruleY([1], { stroke: palette.formal, strokeDasharray: "4 3", strokeWidth: 1.4 })],
   }), [first, top, name]);
   const chosen = selection.value;
   const paint = useCallback((context: CanvasRenderingContext2D, frame: Frame) => {
-    const ids = rows.column("group"), marked = new Set<number>();
+    const marked = new Set<number>();
     if (ids && chosen.count > 0) for (let i = 0; i < rows.n; ++i) if (chosen.mask[i]) marked.add(ids[i]);
     if (now !== before) paintGroups(context, frame, first, palette.before, new Set(), 0.2);
     paintGroups(context, frame, shown, now === before ? palette.before : palette.after, marked);
   }, [shown, now, chosen]);
   const onPick = useCallback((x: number, _y: number, add: boolean) => {
-    const group = first[Math.round(x)], ids = rows.column("group");
-    if (group && ids) choose(rows.n, (i) => ids[i] === group.id, `${name} ${group.id}`, add);
+    const group = first[Math.round(x)];
+    if (group && ids) choose(rows.n, (i) => ids[i] === group.id, `${name} ${label(group.id)}`, add);
   }, [first, rows]);
   const worst = [...shown].sort((a, b) => b.error - a.error)[0];
   const held = shown.filter((group) => group.heldOut).length;
   return (
-    <Figure name="error by group" draw={draw} paint={paint} onPick={onPick}
+    <Figure name={`error by ${given ? name : "group"}`} draw={draw} paint={paint} onPick={onPick}
       title={<>error by {name} <span class="quiet">{held > 0 && "hatched: held out, never fitted"}</span></>}
-      sentence={worst ? `The largest is ${number(worst.error)}, of ${name} ${worst.id}. Fits use ${shown.length - held} ` +
-        `groups; the other ${held} judge.` : "There are no groups."} />
+      sentence={worst ? `The largest is ${number(worst.error)}, of ${name} ${label(worst.id)}.${given ? "" :
+        ` Fits use ${shown.length - held} groups; the other ${held} judge.`}` : "There are no groups."} />
   );
 }

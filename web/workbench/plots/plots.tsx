@@ -2,9 +2,14 @@
 import { look, lookAt, session, view } from "../store";
 import { ArrowPlot } from "./arrows";
 import { CovariatePlot } from "./covariate";
+import { FlatPlots } from "./flats";
+import { FramePlots } from "./frames";
 import { GroupPlot } from "./groups";
+import { LandmarkPlots } from "./landmarks";
 import { MapPlot } from "./map";
+import { ServoPlots } from "./servo";
 import { SpreadPlot } from "./spread";
+import { WalkPlots } from "./walk";
 import { shownOf, type View } from "./view";
 
 const ids = ["line", "held_out", "outlier", "left_out", "u_px", "v_px"];
@@ -20,8 +25,18 @@ function axesOf({ rows }: View, covariate: string): [string, string] | null {
   return has(factors[0]) && others.length > 0 ? [factors[0], others.includes("time") ? "time" : others[0]] : null;
 }
 
+/** Plots of what was measured, where the set's kind has some. */
+function ofKind(now: View) {
+  if (now.rows.data("command_rad")) return <ServoPlots view={now} />;
+  if (now.rows.data("x_m")) return <WalkPlots view={now} />;
+  if (now.rows.data("robot_x_m")) return <LandmarkPlots view={now} />;
+  if (now.rows.data("observed dn")) return <FlatPlots view={now} />;
+  return null;
+}
+
 export function Plots() {
   const now = view.value!, item = look.value;
+  if (session.value?.set?.kind === "frames") return <div class="figures" data-preview={now.with ?? ""}><FramePlots view={now} /></div>;
   if (!item || !now.before.r.has(item.residual) || !now.rows.has(item.covariate)) return null;
   const axes = axesOf(now, item.covariate);
   const inImage = now.before.r.has("u_px") && now.rows.has("u_px");
@@ -32,9 +47,10 @@ export function Plots() {
         residuals={[...shownOf(now).r.keys()]} covariates={covariates}
         onChoose={(residual, covariate) => lookAt({ residual, covariate, moment: "mean" })} />
       {inImage && <ArrowPlot view={now} />}
+      {ofKind(now)}
       {axes && <MapPlot view={now} residual={item.residual} x={axes[0]} y={axes[1]} />}
       <SpreadPlot view={now} residual={item.residual} />
-      <GroupPlot view={now} name={session.value?.set?.group || "group"} />
+      <GroupPlot view={now} name={session.value?.set?.group || "group"} labels={now.rows.words.names?.group} />
     </div>
   );
 }

@@ -17,3 +17,9 @@ export const imageHeight = (width: number, image: { width_px: number; height_px:
 
 /** The residuals that dots, arrows and selections are of: the preview's where there is one. */
 export const shownOf = (view: View): Residuals => view.after ?? view.before;
+
+/** Every k-th row, so that at most so many are drawn. */
+export function everyFew(rows: Rows, most: number): Uint32Array {
+  const step = Math.max(1, Math.ceil(rows.n / most));
+  return Uint32Array.from({ length: Math.floor((rows.n + step - 1) / step) }, (_, i) => i * step);
+}
