@@ -174,8 +174,7 @@ async function inShort(page, name) {
   await page.locator(".work").waitFor();
   await shows(page, "001");
   const first = await error(page);
-  for (const plot of plotsOf[name])
-    assert.ok(await page.locator(".figures").getByRole("heading", { name: plot }).count(), `${name}: the plot ${plot}`);
+  for (const plot of plotsOf[name]) await page.locator(".figures").getByRole("heading", { name: plot }).first().waitFor();
   await option(page, samples[name]).waitFor({ state: "attached", timeout: limit_ms });
   if (page.viewportSize().width < 700) {
     await tabTo(page, /Structure and candidates/);
