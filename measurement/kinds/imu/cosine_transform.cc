@@ -30,6 +30,7 @@ double weight(size_t k, size_t n) {
 
 std::vector<double> cosine_transform(const std::vector<double>& series) {
   const size_t n = series.size();
+  if (n < 2) return series;  // Eigen's FFT needs two.
   std::vector<Complex> in(n), out;
   for (size_t i = 0; i < n; ++i) in[i] = series[place_of(i, n)];
   Eigen::FFT<double>().fwd(out, in);
@@ -40,6 +41,7 @@ std::vector<double> cosine_transform(const std::vector<double>& series) {
 
 std::vector<double> inverse_cosine_transform(const std::vector<double>& coefficients) {
   const size_t n = coefficients.size();
+  if (n < 2) return coefficients;
   std::vector<Complex> in(n), out;
   for (size_t k = 0; k < n; ++k) {
     const double real = coefficients[k] / weight(k, n);

@@ -11,7 +11,8 @@ namespace seam::measurement {
 // `curves` of a result; nothing where the kind has none.
 void add_curves(nlohmann::ordered_json& json, const Problem& problem, const Model& model);
 
-// Where measured and expected curves are most standard errors apart, one a line; empty where there are none.
+// Where measured and expected curves are most standard errors apart, one a line; empty where there
+// are none.
 std::string curves_text(const Problem& problem, const Model& model);
 
 // `series` of a page, on logarithmic axes; `after`: the model found, null: none.
