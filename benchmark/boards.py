@@ -11,7 +11,11 @@ PINHOLE = ("fx_px", "fy_px", "cx_px", "cy_px")
 HEADER = "frame,time_s,point,x_m,y_m,z_m,u_px,v_px"
 FORMATS = ("d", ".6f", "d", ".6f", ".6f", ".6f", ".4f", ".4f")
 STRANGE = {"boards": ("glass", "twisted board", "glass", "pixel phase"),
-           "videos": ("zoom", "twisted board", "glass", "zoom")}
+           "videos": ("focal_drift", "twisted board", "glass", "focal_drift")}
+# Which the catalogue has by now.
+KNOWN = ("focal_drift",)
+# Between two still views, with which a focal length drifts.
+VIEW_S = 15.0
 
 
 def turned(axis, angle):
@@ -67,6 +71,12 @@ def seen(camera, effects, points):
     return u, v
 
 
+def drifted(camera, effects, t):
+    """The camera at these times."""
+    factor = 1 + effects.get("focal_drift", {}).get("per_s", 0) * t
+    return camera | {name: camera[name] * factor for name in ("fx_px", "fy_px")}
+
+
 def draw_camera(draw):
     w, h = draw.choice(SIZES)
     half_angle = draw.uniform(0.4, 0.7)
@@ -117,7 +127,7 @@ def displaced(plan, effects, draw):
     return there
 
 
-def draw_effect(draw, name, camera, extent, px_m):
+def draw_effect(draw, name, camera, extent, px_m, video):
     """px_m: metres on the board that a pixel sees."""
     if name == "radial_polynomial":
         return draw_radial(draw, camera)
@@ -134,7 +144,8 @@ def draw_effect(draw, name, camera, extent, px_m):
                               "tilt_rad": draw.uniform(0.3, 0.6), "way_rad": draw.uniform(-math.pi, math.pi)},
             "twisted board": lambda: {"m": draw.signed(0.006, 0.02) * extent},
             "pixel phase": lambda: {"px": draw.uniform(0.5, 1) * 0.2},
-            "zoom": lambda: {"per_s": draw.signed(0.05, 0.15)}}[name]()
+            # A zoom that creeps while a video is taken; in still views, a camera that warms up.
+            "focal_drift": lambda: {"per_s": draw.signed(*((0.05, 0.15) if video else (6e-5, 1.5e-4)))}}[name]()
 
 
 # -- sets -------------------------------------------------------------------------------------------------------------
@@ -152,18 +163,22 @@ class Scene:
         self.distance = 2 * self.extent * self.camera["fx_px"] / (self.fill * self.camera["size"][0])
         self.noise = draw.log_uniform(0.06, 0.25)
         self.stated = draw.chance(0.6)
-        names = ["thin_prism"] if plan.course == "tie" else draw.sample(possible, plan.count)
+        names = ["thin_prism"] if plan.course == "tie" else plan.names(draw, possible)
         px_m = self.distance / self.camera["fx_px"]
-        self.hidden = {name: draw_effect(draw, name, self.camera, self.extent, px_m) for name in names}
+        self.video = plan.base == "videos"
+        self.hidden = {name: draw_effect(draw, name, self.camera, self.extent, px_m, self.video) for name in names}
         self.effects = dict(self.hidden)
         self.known_lens = "radial_polynomial" not in self.hidden and draw.chance(0.5)
         if self.known_lens:
             self.effects["radial_polynomial"] = draw_radial(draw, self.camera)
         self.outside = ""
         if plan.course == "outside":
-            strange = STRANGE[plan.sort]
-            self.outside = strange[plan.turn % len(strange)]
-            self.effects[self.outside] = draw_effect(draw, self.outside, self.camera, self.extent, px_m)
+            strange = STRANGE[plan.base][plan.turn % len(STRANGE[plan.base])]
+            self.effects[strange] = draw_effect(draw, strange, self.camera, self.extent, px_m, self.video)
+            if strange in KNOWN:
+                self.hidden = {strange: self.effects[strange]}
+            else:
+                self.outside = strange
         self.traces = {}
 
     def add_trace(self, pixels_of):
@@ -171,7 +186,7 @@ class Scene:
         if self.plan.course != "trace":
             return
         name = next(n for n in ("board_warp", "board_scale") if n not in self.hidden)
-        values = draw_effect(self.draw.of("trace"), name, self.camera, self.extent, 0)
+        values = draw_effect(self.draw.of("trace"), name, self.camera, self.extent, 0, self.video)
         without, within_it = (np.concatenate(pixels_of(e)) for e in (self.effects, self.effects | {name: values}))
         size = math.sqrt(float(np.mean((within_it - without) ** 2))) / self.noise
         self.traces[name] = {key: value * TRACE_SIZE / size for key, value in values.items()}
@@ -240,10 +255,12 @@ def boards(plan):
     scene = Scene(plan, ("radial_polynomial", "tangential_distortion", "board_warp", "board_scale", "target_scatter"))
     poses = draw_poses(scene, scene.draw.of("views").choice((12, 16, 24)))
     rotations, places = (np.stack(part) for part in zip(*poses))
+    times = np.arange(len(poses)) * (VIEW_S if plan.cause else 1.0)
 
     def pixels_of(effects):
         there = displaced(scene.board, effects, scene.draw)
-        return [p.ravel() for p in seen(scene.camera, effects, there @ np.swapaxes(rotations, 1, 2) + places[:, None])]
+        in_camera = there @ np.swapaxes(rotations, 1, 2) + places[:, None]
+        return [p.ravel() for p in seen(drifted(scene.camera, effects, times[:, None]), effects, in_camera)]
     scene.add_trace(pixels_of)
     pixels = pixels_of(scene.effects)
     points = np.tile(np.arange(len(scene.board)), len(poses))
@@ -251,7 +268,7 @@ def boards(plan):
     there = displaced(scene.board, scene.effects, scene.draw) @ np.swapaxes(rotations, 1, 2) + places[:, None]
     radius = (np.hypot(there[..., 0], there[..., 1]) / there[..., 2]).ravel()
     inside = within(scene.camera, *pixels) & (radius < 1.1 * scene.camera["corner"])
-    return scene.made("{pose: unknown}", scene.table(frames, frames.astype(float), points, pixels, inside))
+    return scene.made("{pose: unknown}", scene.table(frames, times[frames], points, pixels, inside))
 
 
 # -- a video ----------------------------------------------------------------------------------------------------------
@@ -271,15 +288,12 @@ def videos(plan):
     def pixels_of(effects):
         there = displaced(scene.board, effects, scene.draw)
         delay = effects.get("rolling_shutter", {}).get("line_delay_s", 0)
-        zoom = effects.get("zoom", {}).get("per_s", 0)
         v = np.full((len(stamps), len(there)), 0.5 * scene.camera["size"][1])
         for _ in range(10 if delay else 1):
             t = stamps[:, None] + delay * v
             a, b, c = (turned(axis, angle(t)) for axis, angle in zip(np.eye(3), angles))
             place = np.stack([places[0](t), places[1](t), 1.2 * scene.distance + places[2](t)], -1)
-            camera = scene.camera | {"fx_px": scene.camera["fx_px"] * (1 + zoom * t),
-                                     "fy_px": scene.camera["fy_px"] * (1 + zoom * t)}
-            u, v = seen(camera, effects, np.einsum("tpij,pj->tpi", a @ b @ c, there) + place)
+            u, v = seen(drifted(scene.camera, effects, t), effects, np.einsum("tpij,pj->tpi", a @ b @ c, there) + place)
         return [u.ravel(), v.ravel()]
     scene.add_trace(pixels_of)
     pixels = pixels_of(scene.effects)

@@ -9,11 +9,15 @@ from walks import walks
 
 SORTS = {"boards": boards, "videos": videos, "servos": servos, "motors": motors, "landmarks": landmarks, "walks": walks,
          "wheels": walks, "flats": flats}
+# Causes that people have, each alone in the sets of a sort.
+CAUSES = [f"{sort}+{cause}" for sort, causes in {
+    "boards": ("focal_drift",), "videos": ("focal_drift",), "landmarks": ("mount_offset",),
+    "walks": ("tracker_offset", "turn_asymmetry")}.items() for cause in causes]
 
 
 def make(sort, number):
     plan = Plan(sort, number)
-    return plan, SORTS[sort](plan)
+    return plan, SORTS[plan.base](plan)
 
 
 def make_into(out, sort, number):

@@ -81,7 +81,9 @@ def draw_names(plan, draw):
     if plan.course == "tie":
         return ["frame_latency"]
     possible = POSSIBLE if plan.course not in ("trace", "gross") else POSSIBLE[:7]
-    names = draw.sample(possible, plan.count)
+    names = plan.names(draw, possible)
+    if plan.cause:
+        return names
     for alike in ALIKE:
         names = [name for name in names if name not in alike[1:] or alike[0] not in names]
     return names + draw.sample([name for name in possible if name not in names and not any(

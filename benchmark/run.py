@@ -146,7 +146,7 @@ def main():
             if name != "name":
                 more = {"nargs": "+" if step == "summary" else 1} if name == "others" else {}
                 one.add_argument(name, type=pathlib.Path, **more)
-        one.add_argument("--sort", action="append", choices=kinds.SORTS)
+        one.add_argument("--sort", action="append", choices=[*kinds.SORTS, *kinds.CAUSES])
         if step == "make":
             one.add_argument("--first", type=int, default=0)
             one.add_argument("--sets", type=int, default=10)

@@ -19,13 +19,28 @@ TIE_SIZE = 0.1
 
 @dataclasses.dataclass
 class Plan:
-    """What is asked of a generator."""
+    """What is asked of a generator. A sort with a cause (`servos+gear_ripple`) hides that one effect in its odd numbers
+    and nothing in the even ones."""
     sort: str
     number: int
 
     @property
+    def base(self):
+        return self.sort.partition("+")[0]
+
+    @property
+    def cause(self):
+        return self.sort.partition("+")[2]
+
+    @property
     def course(self):
-        return COURSE[self.number % len(COURSE)]
+        return ("none", "one")[self.number % 2] if self.cause else COURSE[self.number % len(COURSE)]
+
+    def names(self, draw, possible):
+        """The effects to hide: the sort's own cause, or as many of these as the number says."""
+        if self.cause:
+            return [self.cause][:self.count]
+        return draw.sample(possible, self.count)
 
     @property
     def count(self):
@@ -127,7 +142,8 @@ def write(made, plan, out):
         model.pop({"motor_servo": "ideal_servo"}.get(effect, ""), None)
     (truth / f"{plan.name}.yaml").write_text(model_text("truth", model | made.nuisance | made.hidden | made.traces))
     (truth / f"{plan.name}.json").write_text(json.dumps({
-        "format": "seam-truth/1", "set": plan.name, "sort": plan.sort, "kind": made.kind, "course": plan.course,
+        "format": "seam-truth/1", "set": plan.name, "sort": plan.sort, "kind": made.kind,
+        "course": "one" if plan.course == "outside" and not made.outside else plan.course,
         "hidden": made.hidden, "ties": made.ties, "traces": made.traces, "allowed": made.allowed,
         "outside": made.outside or None, "unscored": made.unscored, "noise_stated": made.noise_stated,
         "gross_share": plan.gross}, indent=1) + "\n")

@@ -149,11 +149,11 @@ def drive_rows(effects, base, draw, dt, count):
 
 def walks(plan):
     draw = Draw(plan.sort, plan.number)
-    wheels = plan.sort == "wheels"
-    names = ["base_scale" if wheels else "turn_asymmetry"] if plan.course == "tie" else draw.sample(
-        POSSIBLE[plan.sort], plan.count)
+    wheels = plan.base == "wheels"
+    names = ["base_scale" if wheels else "turn_asymmetry"] if plan.course == "tie" else plan.names(
+        draw, POSSIBLE[plan.base])
     hidden = {name: draw_effect(draw, name) for name in names}
-    strange = STRANGE[plan.sort][plan.turn % 2] if plan.course == "outside" else ""
+    strange = STRANGE[plan.base][plan.turn % 2] if plan.course == "outside" else ""
     sigma, turn_sigma = draw.uniform(0.0005, 0.003), draw.uniform(0.001, 0.006)
     effects = hidden | ({strange: draw_effect(draw, strange)} if strange else {})
     traces = {}
@@ -163,7 +163,7 @@ def walks(plan):
     dt, count, runs = (0.05, 300, 6) if wheels else (0.1, 120, 8)
     base = round(draw.uniform(0.2, 0.4), 4)
     stated = draw.chance(0.6) or "walk_noise" in hidden
-    columns = [[] for _ in FORMATS[plan.sort]]
+    columns = [[] for _ in FORMATS[plan.base]]
     for run in range(runs):
         one = draw.of(f"run {run}")
         if wheels:
@@ -185,5 +185,5 @@ def walks(plan):
     # Turns to one side alone. Wheels have no tie: a wrong base is two wrong wheels only in turns on the spot.
     ties = {"turn_asymmetry": ["odometry_scale"]} if plan.course == "tie" and not wheels else {}
     return MadeSet(kind="odometry", settings=settings, tables={"odometry.csv": rows(
-        HEADERS[plan.sort], FORMATS[plan.sort], *columns)}, nominal=nominal, hidden=hidden, traces=traces, ties=ties,
+        HEADERS[plan.base], FORMATS[plan.base], *columns)}, nominal=nominal, hidden=hidden, traces=traces, ties=ties,
         outside=strange, noise_stated=stated)

@@ -55,6 +55,7 @@
   X(tangential_distortion)    \
   X(thin_prism)               \
   X(focal_length_error)       \
+  X(focal_drift)              \
   X(principal_point_offset)   \
   X(chromatic_aberration)     \
   X(focus_variation)          \

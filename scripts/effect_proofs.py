@@ -285,6 +285,9 @@ PROOFS = [
     ("thin_prism", [0, 0.01, -0.02, 0], RAY, image("(0.24 + p[1] * 0.0832**2)", "(-0.16 + p[2] * 0.0832)")),
     ("tangential_distortion", [0.004, -0.003], RAY, image("tangential(p, 0.24, -0.16)[0]", "tangential(p, 0.24, -0.16)[1]")),
     ("tangential_distortion", [0, 0.02], OTHER_RAY, image("tangential(p, -0.6, 0.4)[0]", "tangential(p, -0.6, 0.4)[1]")),
+    ("focal_drift", [1e-4, math.inf], RAY + [("t_s", 300)], {"u_px": "160 * 1.03 * 0.24 + 88.5", "v_px": "162 * 1.03 * -0.16 + 71.5"}),
+    ("focal_drift", [-2e-4, 40], OTHER_RAY + [("t_s", 100)],
+     image("-0.6 * (1 - 0.008 * (1 - math.exp(-2.5)))", "0.4 * (1 - 0.008 * (1 - math.exp(-2.5)))")),
     ("focal_length_error", [0.01, -0.02], RAY, {"u_px": "160 * 1.01 * 0.24 + 88.5", "v_px": "162 * 0.98 * -0.16 + 71.5"}),
     ("focal_length_error", [-0.1, 0], OTHER_RAY, {"u_px": "160 * 0.9 * -0.6 + 88.5", "v_px": "162 * 0.4 + 71.5"}),
     ("principal_point_offset", [2.5, -1.5], RAY, {"u_px": "160 * 0.24 + 91", "v_px": "162 * -0.16 + 70"}),
@@ -514,7 +517,7 @@ PROOFS = [
 
 
 def number(value):
-    return f"{value:.15g}"
+    return "INFINITY" if math.isinf(value) else f"{value:.15g}"
 
 
 def proof_of(effect, values, given, expected, tolerance=None):

@@ -14,6 +14,7 @@ seam, source = by_hand.arguments("seam", "source")
 HIDDEN = {
     "landmark_height": ("landmarks", "{landmark_height: {z_m: 0.5}}"),
     "mount_sag": ("points", "{mount_sag: {tilt_rad: 0.03}}"),
+    "focal_drift": ("points", "{focal_drift: {per_s: 0.004}}"),
 }
 
 

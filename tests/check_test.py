@@ -39,7 +39,7 @@ class FilesOfOurs(unittest.TestCase):
         self.holds("models/field_2002.yaml", "field: 4.2 m x 2.7 m")
         self.holds("models/robot_ers210.yaml", "robot: ", "parts")
         self.holds("models/colour_table_2002.yaml", "orange", "of 32 segments")
-        self.holds("docs/tutorial/thermal_focus.yaml", "effects of your own", "thermal_focus")
+        self.holds("docs/tutorial/camera_slip.yaml", "effects of your own", "camera_slip")
         self.holds("docs/tutorial/room", "a protocol", "0 errors")
         self.holds("docs/tutorial/room/measurement.yaml", "kind points")
         self.holds("replays/corpus/whole.mcap", "log of scenario corpus", "until")

@@ -46,9 +46,9 @@ def main():
     seam = sys.argv[1]
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        subprocess.run([seam, "measure", "--model", ROOM / "warm_robot.yaml", "--protocol", ROOM / "room", "--seed", "2",
-                        "--out", folder / "warm"], check=True, capture_output=True)
-        files = ["--model", ROOM / "nominal.yaml", "--data", folder / "warm"]
+        subprocess.run([seam, "measure", "--model", ROOM / "slipping_robot.yaml", "--protocol", ROOM / "room", "--seed", "2",
+                        "--out", folder / "slips"], check=True, capture_output=True)
+        files = ["--model", ROOM / "nominal.yaml", "--data", folder / "slips"]
         commands = {
             "discover": [seam, "discover", *files, "--out", folder / "found.yaml"],
             "diagnose": [seam, "diagnose", *files, "--suggest", folder / "formula.yaml"],

@@ -197,9 +197,9 @@ void add_new_effect(app::Command app) {
       .required();
   command.add_option("--out", *out, "The folder to write (default: NAME)");
   command.footer(
-      "Examples:\n  seam new-effect thermal_focus --stage geometry\n"
-      "  cmake -S thermal_focus -B build-focus && cmake --build build-focus\n"
-      "  seam --plugin build-focus/thermal_focus.so effects thermal_focus --prove");
+      "Examples:\n  seam new-effect camera_slip --stage geometry\n"
+      "  cmake -S camera_slip -B build-slip && cmake --build build-slip\n"
+      "  seam --plugin build-slip/camera_slip.so effects camera_slip --prove");
   command.callback([name, stage, out] {
     if (!is_effect_name(*name)) {
       throw UsageError(
