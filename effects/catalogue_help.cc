@@ -66,10 +66,9 @@ std::string list_text(const std::vector<Quantity>& list) {
   return text;
 }
 
-const Stage kStages[] = {Stage::timing,     Stage::joint,      Stage::mount,
-                         Stage::target,     Stage::geometry,   Stage::corner_detector,
-                         Stage::radiometry, Stage::light,      Stage::sensor,
-                         Stage::detector,   Stage::locomotion, Stage{12}};
+const Stage kStages[] = {Stage::timing,   Stage::joint,           Stage::mount,      Stage::target,
+                         Stage::geometry, Stage::corner_detector, Stage::radiometry, Stage::light,
+                         Stage::sensor,   Stage::detector,        Stage::locomotion, Stage{12}};
 
 }  // namespace
 

@@ -1,7 +1,7 @@
 // node web/workbench_speed.mjs SHARE SEAM SET EFFECT [TIMES]: how fast the workbench answers for a set whose cause is known (or for
-// servo:RUNSxSAMPLES, a log that is made), as one row of a table (the median of so many starts, 3 unless told): from the start of the program to residuals, to the list by score, to
-// the linear preview of the cause and to its fit; and in a browser from pointing at a candidate to plots that show it, and the
-// longest stall of the page.
+// servo:RUNSxSAMPLES, a log that is made), as one row of a table: the median of TIMES starts (3). Measured are the times from the
+// start of the program to residuals, to the list by score, to the linear preview of the cause and to its fit; and in a browser from
+// pointing at a candidate to plots that show it, and the longest stall of the page.
 import { spawn, spawnSync } from "node:child_process";
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
