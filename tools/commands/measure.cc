@@ -51,8 +51,9 @@ class FolderOfSet {
 // A plan with exact values shows any effect: a protocol that states no noise is easily overlooked.
 void warn_of_no_noise(const effects::Model& truth, const measurement::MeasurementSet& protocol) {
   const auto& effects = truth.effects();
-  const bool spreads = std::any_of(effects.begin(), effects.end(),
-                                   [](const auto& e) { return e.definition->spread_only; });
+  const bool spreads = std::any_of(effects.begin(), effects.end(), [](const auto& e) {
+    return e.definition->spread_only || e.definition->noise;
+  });
   // Numbers of whole runs scatter by the runs themselves.
   if (spreads || !protocol.noise.empty() || protocol.kind == "outcomes") return;
   std::fprintf(

@@ -128,7 +128,8 @@ ImuData read_imu(const MeasurementSet& set, bool measured) {
   if (table.has(kImuWarmth)) columns.temperature_c = table.numbers_or_blank(kImuWarmth);
   hold_last(columns.temperature_c);
   ImuData data;
-  if (const auto gravity = set.root.find("gravity_mps2")) data.gravity_mps2 = gravity->number();
+  data.gravity_mps2 =
+      set.root.number_or("gravity_mps2", data.gravity_mps2, {.min = 0.1, .max = 100});
   for (size_t axis = 0; axis < kImuAxes; ++axis) data.has[axis] = !columns.samples[axis].empty();
   data.knows_rates = !columns.truth[0].empty();
   data.knows_forces = !columns.truth[3].empty();
