@@ -47,6 +47,14 @@ void describe_runs(ConfigTable& table) {
                   [](ConfigTable& names) { names.allow_notes(); });
 }
 
+// Of inertial sensors; their reader reads it (kinds/imu).
+void describe_imu(ConfigTable& table) {
+  double gravity_mps2 = 9.80665;
+  table.number(
+      {"gravity_mps2", "Of imu: the size of the force that the accelerometer feels at rest."},
+      gravity_mps2, {0.1, 100});
+}
+
 void describe_set(ConfigTable& table, MeasurementSet& set) {
   table.allow_notes();
   table.format("seam-measurement/1");
@@ -70,6 +78,7 @@ void describe_set(ConfigTable& table, MeasurementSet& set) {
   table.text({"colour_table", "Of ranges: a seam-colour-table/1 file in the folder."},
              colour_table);
   describe_runs(table);
+  describe_imu(table);
 }
 
 }  // namespace
