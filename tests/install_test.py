@@ -172,7 +172,7 @@ def check_open_r(prefix, folder):
     run("cmake", "--build", project / "build", "--parallel", "2")
     models = prefix / "share/seam/models"
     path = project / "run.yaml"
-    for stick, said in (("build/MS", "Localizer: at "), ("build/head/MS", "SwingHead: swung for")):
+    for stick, said in (("build/MS", "Localizer: at "), ("build/head/MS", "SwingHead: sent commands for")):
         path.write_text(scenario(models, f"open_r, {project / stick}]").replace("]]", "], clock: {period_s: 0.008}"))
         assert said in run(seam, "run", path, cwd=folder)
     said = run(PYTHON, SOURCE / "scripts/open_r_table.py", seam, project / "build/MS", "--quick", cwd=folder)
