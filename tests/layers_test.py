@@ -104,7 +104,7 @@ ROOMS = {
         "report/columns": ["sets", "problem"],
         "report/curves": ["problem"],
         "report": ["report/columns", "report/curves", "sets", "problem", "fitting", "infer", "judge", "search", "search/models",
-                   "suggest"],
+                   "suggest", "check"],
         "plan": ["sets", "problem", "kinds", "numerics", "fitting", "judge", "search", "report"],
         "study": ["imaging", "kinds", "judge", "search"],
     },

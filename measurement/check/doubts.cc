@@ -97,7 +97,10 @@ std::vector<std::string> doubts(const MeasurementSet& set, const Model& model, d
   for (const std::string& warning : concerns_of(set, kind.observations).warnings)
     lines.push_back("warning: " + warning);
   for (const auto& faults : {faults_of_values(set), faults_of_clocks(set)}) {
-    for (const std::string& fault : faults) lines.push_back("warning: " + fault);
+    for (const std::string& fault : faults) {
+      const bool asks = fault.find('?') != std::string::npos;
+      lines.push_back((asks ? std::string(kQuestion) : "warning: ") + fault);
+    }
   }
   std::vector<std::string> evidence;
   doubt_axes(set, kind, model, evidence);  // Where nothing can be predicted, no error is told.

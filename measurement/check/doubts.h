@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "effects/model.h"
@@ -10,6 +11,9 @@
 #include "measurement/sets/set.h"
 
 namespace seam::measurement {
+
+// What a doubt begins with that asks what the columns mean.
+inline constexpr std::string_view kQuestion = "question: ";
 
 // What to say of observations whose points stand behind the camera, by their lines.
 std::string behind_the_camera(const MeasurementSet& set, const Kind& kind,

@@ -131,6 +131,17 @@ void fit_to_all(const Problem& problem, Assessment& assessment) {
   assessment.fit = fit, assessment.model = fit.model, assessment.total_ll = score.log_likelihood;
 }
 
+// Whether what a fit to training groups loses on the others may decide between two explanations:
+// about half a unit for each parameter and held-out residual a training one, by chance. Half of the
+// width within which two count as equal.
+bool chance_decides(const Problem& problem, const Assessment& assessment) {
+  constexpr double kMayDecide = 2.3;
+  const auto all = static_cast<double>(count_used(problem)),
+             held = static_cast<double>(assessment.held.n);
+  return all > held &&
+         0.5 * static_cast<double>(assessment.unknowns.size()) * held > kMayDecide * (all - held);
+}
+
 }  // namespace
 
 Assessment assess(const Problem& problem, const Model& model,
@@ -140,7 +151,8 @@ Assessment assess(const Problem& problem, const Model& model,
         assess_fitted_to(problem, problem, problem.training_groups(), model, unknowns);
     // Far from the noise a few units of likelihood decide nothing.
     constexpr double kNearNoise = 1.5;
-    if (!problem.training_stands_for_all() && result.error < kNearNoise)
+    if (result.error < kNearNoise &&
+        (!problem.training_stands_for_all() || chance_decides(problem, result)))
       fit_to_all(problem, result);
     return result;
   }

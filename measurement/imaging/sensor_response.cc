@@ -91,10 +91,15 @@ Response respond(const SensorChain& chain, const SensorExposure& exposure, int c
     out.variance += noise2;
   }
   // No value is exactly certain: a constant field with rounding off by one.
-  out.variance = std::max(out.variance, 1e-4);
+  constexpr double kCertain = 1e-4;
+  out.variance = std::max(out.variance, kCertain);
+  // A value that is cut off is told no worse than the model says of one that is not: else a model
+  // without noise is likeliest where it sends all values to an end of the range.
+  const double uncut = std::max(all2 + noise2, kCertain);
   if (is_near_top(chain, exposure.file_bits, out.mean))
-    out.variance = std::max(out.variance, noise.least_at_top_dn2);
-  if (response.mean_dn < 0) out.variance = std::max(out.variance, noise.least_at_bottom_dn2);
+    out.variance = std::max(out.variance, std::min(noise.least_at_top_dn2, uncut));
+  if (response.mean_dn < 0)
+    out.variance = std::max(out.variance, std::min(noise.least_at_bottom_dn2, uncut));
   out.gain_slope = log_slope * out.offset_slope;
   if (chain.hot_fraction > 0)
     out.hot_mean = file(response.mean_dn + chain.hot_level_dn, all2).mean_dn;

@@ -9,6 +9,7 @@
 #include "measurement/infer/smooth_field.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/parallel_for.h"
+#include "measurement/problem/mean_whitened.h"
 
 namespace seam::measurement {
 namespace {
@@ -35,7 +36,7 @@ class Residuals {
 
   bool valid() const { return !scalars_.empty(); }
   // The best functions, one after another, while each gains; nothing where the first does not.
-  std::optional<UnnamedCause> best_cause();
+  std::optional<UnnamedCause> best_cause(std::vector<TriedFunction>* tried);
 
  private:
   // A function's columns, without what follows them, and what they gain.
@@ -89,7 +90,10 @@ Residuals::Residuals(const Problem& problem, const Model& model,
     if (length > 0) slopes.col(static_cast<Index>(k)) /= length;
   }
   span_ = columns.empty() ? slopes : column_basis(slopes, 1e-6);
-  rest_ = own_of(here_.whitened);
+  std::vector<double> beyond = here_.whitened;
+  const size_t n = problem.facts().scalars();
+  for (size_t i = 0; i < n; ++i) beyond[i] -= mean_whitened(here_, n, i);
+  rest_ = own_of(beyond);
 }
 
 std::vector<SmoothField> Residuals::fields() {
@@ -134,7 +138,19 @@ double Residuals::held_out_gain(const Function& function) const {
   return gain;
 }
 
-std::optional<UnnamedCause> Residuals::best_cause() {
+// One line for each set of covariates, by the place in which it gains most.
+void note_tried(const std::vector<std::string>& covariates, bool is_testable, double log_evidence,
+                std::vector<TriedFunction>& tried) {
+  for (TriedFunction& known : tried) {
+    if (known.covariates != covariates) continue;
+    known.is_testable = known.is_testable || is_testable;
+    known.log_evidence = std::max(known.log_evidence, log_evidence);
+    return;
+  }
+  tried.push_back({covariates, is_testable, log_evidence});
+}
+
+std::optional<UnnamedCause> Residuals::best_cause(std::vector<TriedFunction>* tried) {
   const std::vector<SmoothField> fields = this->fields();
   std::vector<Function> functions(fields.size());
   parallel_for(fields.size(), [&](size_t f) { functions[f] = function_of(fields[f]); });
@@ -150,6 +166,10 @@ std::optional<UnnamedCause> Residuals::best_cause() {
       if (function.effect.log_evidence > kLeastGain && held_out_gain(function) <= 0)
         function.effect.log_evidence = 0;
     });
+    for (size_t f = 0; k == 0 && tried != nullptr && f < fields.size(); ++f)
+      note_tried(names_of(fields[f]), functions[f].columns.cols() > 0,
+                 functions[f].effect.log_evidence - std::log(static_cast<double>(fields.size())),
+                 *tried);
     const auto best = std::max_element(functions.begin(), functions.end(),
                                        [](const Function& a, const Function& b) {
                                          return a.effect.log_evidence < b.effect.log_evidence;
@@ -176,7 +196,7 @@ std::optional<UnnamedCause> Residuals::best_cause() {
 
 std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
                                           const std::vector<Explanation>& explanations,
-                                          double material) {
+                                          double material, std::vector<TriedFunction>* tried) {
   std::optional<UnnamedCause> best;
   for (size_t e = 0; e < explanations.size(); ++e) {
     const double ahead = explanations[e].log_evidence - explanations.back().log_evidence;
@@ -184,7 +204,8 @@ std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
     const Assessment& assessment = *explanations[e].assessment;
     Residuals residuals(problem, assessment.model, assessment.unknowns);
     if (!residuals.valid()) continue;
-    std::optional<UnnamedCause> cause = residuals.best_cause();
+    std::optional<UnnamedCause> cause =
+        residuals.best_cause(e + 1 == explanations.size() ? tried : nullptr);
     if (!cause || cause->noise_units < material) continue;
     // Where something is left that is no noise, evidence is too sure.
     const double misfit = std::max(1.0, cause->error_after * cause->error_after);

@@ -31,11 +31,19 @@ struct UnnamedCause {
   double error_before = 0, error_after = 0;  // Of all observations, without and with it.
 };
 
+// A smooth function that was tried beside the last explanation.
+struct TriedFunction {
+  std::vector<std::string> covariates;
+  bool is_testable = true;  // Nuisances of many groups may follow whatever it does.
+  double log_evidence = 0;  // That it gains, less the price of the look.
+};
+
 // The best cause beside one of the explanations, each of which grew from the one before it, where
 // it is ahead of the last and groups that are held out agree. `material` is the least change in
-// noise units that counts.
+// noise units that counts. `tried` receives the functions tried beside the last.
 std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
                                           const std::vector<Explanation>& explanations,
-                                          double material);
+                                          double material,
+                                          std::vector<TriedFunction>* tried = nullptr);
 
 }  // namespace seam::measurement

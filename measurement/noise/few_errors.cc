@@ -120,6 +120,17 @@ double FewErrors::width(double ratio) const {
   return sort_ == Sort::normal ? std::sqrt(1 + ratio * ratio) : ratio;
 }
 
+double FewErrors::mean_of(double ratio, double fraction, double step) const {
+  if (sort_ == Sort::normal) return 0;
+  const FewErrors unit(sort_, fraction, ratio);
+  const double mode = mode_of(ratio, fraction), highest = unit.at(mode, 1, fraction).value;
+  const auto part = [&](double x) {
+    const double l = unit.at(x, 1, fraction).value;
+    return std::exp(l) * std::copysign(std::sqrt(2 * std::max(0.0, highest - l)), x - mode);
+  };
+  return integral(part, false, width(ratio), step);
+}
+
 double FewErrors::mean_square_of(double ratio, double fraction, double step) const {
   const FewErrors unit(sort_, fraction, ratio);
   const double highest = unit.at(mode_of(ratio, fraction), 1, fraction).value;
@@ -150,6 +161,7 @@ FewErrors::Place FewErrors::place(double sigma, bool second) const {
     const double ratio = std::exp(kLowest + kLogStep * static_cast<double>(n));
     if (!(there.mean_square > 0)) {
       there.mode = mode_of(ratio, fraction_);
+      there.mean = mean_of(ratio, fraction_, kFine);
       there.mean_square = mean_square_of(ratio, fraction_, kFine);
     }
     if (second && !(there.mean_square_of_second > 0))
@@ -159,12 +171,16 @@ FewErrors::Place FewErrors::place(double sigma, bool second) const {
   const auto between = [&](double Place::*value) {
     return table_[node].*value + share * (table_[node + 1].*value - table_[node].*value);
   };
-  return {between(&Place::mode), between(&Place::mean_square),
+  return {between(&Place::mode), between(&Place::mean), between(&Place::mean_square),
           between(&Place::mean_square_of_second)};
 }
 
 double FewErrors::mode(double sigma) const {
   return sort_ == Sort::normal ? 0 : sigma * place(sigma, false).mode;
+}
+
+double FewErrors::mean(double sigma) const {
+  return sort_ == Sort::normal ? 0 : place(sigma, false).mean;
 }
 
 double FewErrors::mean_square(double sigma) const {

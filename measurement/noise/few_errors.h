@@ -39,6 +39,8 @@ class FewErrors {
   Deviance deviance(double error, double sigma) const { return deviance(error, sigma, fraction_); }
   // The likeliest error.
   double mode(double sigma) const;
+  // Mean of z, which is 0 where errors lie on both sides alike.
+  double mean(double sigma) const;
   // Mean of z^2, which is 1 for a normal error.
   double mean_square(double sigma) const;
   // The same of an error that has something more if another, which was seen, has.
@@ -53,13 +55,14 @@ class FewErrors {
 
  private:
   struct Place {
-    double mode = 0, mean_square = 0, mean_square_of_second = 0;
+    double mode = 0, mean = 0, mean_square = 0, mean_square_of_second = 0;
   };
 
   // Density of the part with something more, in units of sigma; `ratio` is size / sigma.
   LogDensity more(double x, double ratio) const;
   double mode_of(double ratio, double fraction) const;
   double width(double ratio) const;
+  double mean_of(double ratio, double fraction, double step) const;
   // Of errors with this fraction; `step` of the integral over the normal part, in sigmas.
   double mean_square_of(double ratio, double fraction, double step) const;
   double mean_square_of_second_of(double ratio) const;

@@ -72,7 +72,7 @@ TEST(FewErrors, DevianceStandsForTheLikelihood) {
       const FewErrors errors(sort, 0.1, size);
       const double sigma = 0.3;
       const int n = 40000;
-      double square = 0, fourth = 0, variance = 0, mean = 0;
+      double whitened = 0, square = 0, fourth = 0, variance = 0, mean = 0;
       for (int i = 0; i < n; ++i) {
         double error = sigma * normal(stream.child("normal"), i);
         if (uniform(stream.child("few"), i) < 0.1) {
@@ -83,11 +83,13 @@ TEST(FewErrors, DevianceStandsForTheLikelihood) {
         const Deviance seen = errors.deviance(error, sigma);
         EXPECT_NEAR(-0.5 * (seen.z * seen.z + std::log(2 * std::numbers::pi) + seen.log_det),
                     errors.at(error, sigma).value, 1e-5);
+        whitened += seen.z / n;
         square += seen.z * seen.z / n, fourth += std::pow(seen.z, 4) / n;
         mean += error / n, variance += error * error / n;
       }
       const double scatter = std::sqrt((fourth - square * square) / n);
       EXPECT_NEAR(errors.mean_square(sigma), square, 4 * scatter) << size;
+      EXPECT_NEAR(errors.mean(sigma), whitened, 4 * std::sqrt(square / n)) << size;
       EXPECT_NEAR(errors.variance(sigma), variance - mean * mean, 0.1 * variance) << size;
     }
   }

@@ -8,6 +8,7 @@
 #include "measurement/numerics/box.h"
 #include "measurement/numerics/curvature.h"
 #include "measurement/numerics/damped_step.h"
+#include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/parallel_for.h"
 
 namespace seam::measurement {
@@ -175,6 +176,73 @@ class Search {
     return out;
   }
 
+  // How far both ways along a direction lead inside the bounds.
+  double room(const VectorXd& way) const {
+    double most = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < n_; ++i) {
+      const double inside = std::min(box_.high[i] - z_[i], z_[i] - box_.low[i]);
+      if (way[i] != 0) most = std::min(most, inside / std::abs(way[i]));
+    }
+    return most;
+  }
+
+  // The curvature along a direction over about a standard error; `told` is what differences along
+  // the axes say.
+  double along(double here, const VectorXd& way, double told) const {
+    constexpr double kStandard = 0.5, kLeast = 0.1, kMost = 2;  // Falls of the log-likelihood.
+    constexpr double kFarther = 4, kNearer = 0.1, kLeastTold = 1e-6;
+    const double most = room(way);
+    double far = 1 / std::sqrt(std::max(told, kLeastTold)), curvature = std::max(told, 0.0);
+    for (int attempt = 0; attempt < 8 && most > 0; ++attempt) {
+      far = std::min(far, most);
+      const double fall = here - 0.5 * (value(z_ + far * way) + value(z_ - far * way));
+      curvature = std::max(0.0, 2 * fall / (far * far));
+      if (fall > kMost) {
+        far *= std::max(kNearer, std::sqrt(kStandard / fall));
+      } else if (fall < kLeast && far < most) {
+        far *= kFarther;
+      } else {
+        break;
+      }
+    }
+    return curvature;
+  }
+
+  // Differences along the axes tell a direction in which parameters make up for each other as what
+  // is left of large numbers: such directions are measured along themselves.
+  MatrixXd information(double here) const {
+    constexpr double kWeak = 0.05;  // Of what single parameters have.
+    MatrixXd out = curvature_;
+    std::vector<Eigen::Index> known;
+    for (int i = 0; i < n_; ++i) {
+      if (curvature_(i, i) > 0) known.push_back(i);
+    }
+    if (known.empty()) return out;
+    const VectorXd scale = curvature_.diagonal()(known).cwiseSqrt();
+    const MatrixXd unit = scale.cwiseInverse().asDiagonal() * curvature_(known, known) *
+                          scale.cwiseInverse().asDiagonal();
+    SymmetricEigen eigen = symmetric_eigen(unit);
+    for (Eigen::Index k = 0; k < eigen.values.size() && eigen.values[k] < kWeak; ++k) {
+      VectorXd way = VectorXd::Zero(n_);
+      way(known) = scale.cwiseInverse().cwiseProduct(eigen.vectors.col(k));
+      eigen.values[k] = along(here, way, eigen.values[k]);
+    }
+    out(known, known) = scale.asDiagonal() * eigen.vectors * eigen.values.asDiagonal() *
+                        eigen.vectors.transpose() * scale.asDiagonal();
+    return out;
+  }
+
+  // Where the likelihood says next to nothing, values lie anywhere in their range.
+  void keep_to_ranges(MatrixXd& covariance) const {
+    for (int i = 0; i < n_; ++i) {
+      const double widest = (box_.high[i] - box_.low[i]) / std::sqrt(12.0);  // Of equal chances.
+      const double sigma = std::sqrt(covariance(i, i));
+      if (!(sigma > widest)) continue;
+      covariance.row(i) *= widest / sigma;
+      covariance.col(i) *= widest / sigma;
+    }
+  }
+
   bool is_at_end(int i) const { return z_[i] <= box_.low[i] || z_[i] >= box_.high[i]; }
 
   void finish(Maximum& out, double here) {
@@ -183,7 +251,9 @@ class Search {
     // Directions without curvature have no estimate. One that drifted to an end of its range, where
     // the likelihood is no better than at its start, says nothing: it stays at its start.
     constexpr double kNoBetter = 0.5;  // Less than one standard error changes.
-    const auto [covariance, known] = covariance_of(curvature_, 1e-10);
+    const auto by_axes = covariance_of(curvature_, 1e-10);
+    auto [covariance, known] = covariance_of(information(here), 1e-10);
+    keep_to_ranges(covariance);
     for (int i = 0; i < n_; ++i) {
       if (known[i] || !is_at_end(i)) continue;
       VectorXd back = z_;
@@ -197,6 +267,7 @@ class Search {
       const double jacobian = p.logarithmic ? out.value[i] : 1;
       out.sigma.push_back(known[i] ? jacobian * std::sqrt(covariance(i, i))
                                    : std::numeric_limits<double>::infinity());
+      out.axis_sigma.push_back(jacobian * std::sqrt(std::max(0.0, by_axes.matrix(i, i))));
     }
     for (int i = 0; i < n_; ++i) {
       for (int k = 0; k < n_; ++k) {

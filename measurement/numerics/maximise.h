@@ -19,7 +19,9 @@ struct SearchParameter {
 
 struct Maximum {
   std::vector<double> value;
-  std::vector<double> sigma;       // Infinite where the function does not depend on it.
+  std::vector<double> sigma;  // Infinite where the function does not depend on it.
+  // The same by differences along the axes alone: beyond reason where a valley is long and bent.
+  std::vector<double> axis_sigma;
   std::vector<double> covariance;  // Row-major.
   std::vector<char> at_bound;
   double log_likelihood = 0;

@@ -29,6 +29,33 @@ TEST(Maximise, ACorrelatedNormalHasItsMeanAndCovariance) {
   EXPECT_FALSE(found.at_bound[0]);
 }
 
+// Two values of which the sum is told a thousand times better than the difference, by a likelihood
+// that is good to 1e-4: differences along the axes leave nothing of the difference's curvature.
+TEST(Maximise, AWeakDirectionHasItsOwnError) {
+  const auto log_density = [](const std::vector<double>& x) {
+    const double sum = (x[0] + x[1] - 1) / 1e-3, difference = (x[0] - x[1] - 3) / 1;
+    const double exact = -0.5 * (sum * sum + difference * difference);
+    return 1e-4 * std::round(exact / 1e-4);
+  };
+  const Maximum found =
+      maximise(log_density, {{.start = 1.5, .min = -50, .max = 50, .step = 1e-3},
+                             {.start = -0.5, .min = -50, .max = 50, .step = 1e-3}});
+  EXPECT_NEAR(found.sigma[0], 0.5, 0.02);
+  EXPECT_NEAR(found.sigma[1], 0.5, 0.02);
+  EXPECT_NEAR(found.covariance[1], -0.25, 0.02);
+}
+
+// What the likelihood does not tell lies anywhere in its range.
+TEST(Maximise, ADirectionWithoutInformationIsAsWideAsItsRange) {
+  const auto log_density = [](const std::vector<double>& x) {
+    const double sum = (x[0] + x[1]) / 0.1;
+    return -0.5 * sum * sum;
+  };
+  const Maximum found = maximise(log_density, {{.start = 0, .min = -3, .max = 3, .step = 0.01},
+                                               {.start = 0, .min = -3, .max = 3, .step = 0.01}});
+  EXPECT_NEAR(found.sigma[0], 6 / std::sqrt(12.0), 0.01);
+}
+
 // A valley whose direction turns on the way, as those of a response and its bend do: correlations
 // seen at the start lead nowhere.
 TEST(Maximise, ABentValleyIsFollowedToItsEnd) {

@@ -42,8 +42,8 @@ struct Evaluation {
   std::vector<double> log_det;  // By group: log det S (groups are independent of each other).
   double shared_log_det = 0;    // The part of log det S that is no single group's.
   double absorbed = 0;          // Freedom of the residuals that estimated draws take.
-  // Where errors are not normal: the mean of the square of `whitened`, by scalar, which then is the
-  // signed root of twice what the residual costs (noise/few_errors.h). Empty: 1 for all.
+  // Where errors are not normal, `whitened` is the signed root of twice what the residual costs: by
+  // scalar the mean of its square, behind these its mean (noise/few_errors.h). Empty: 1, and 0.
   std::vector<double> mean_square;
   // Its size there, of what is left out as well, by which outliers are told; infinite for scalars
   // with normal errors.

@@ -6,7 +6,12 @@
 #include <limits>
 #include <utility>
 
+#include "measurement/report/curves/curves_told.h"
+#include "measurement/report/finite_or_null.h"
+
 namespace seam::measurement {
+
+using nlohmann::ordered_json;
 
 std::vector<Figure> figures_told(const Problem& problem, const Assessment& assessment) {
   std::vector<Figure> figures = problem.figures(assessment.model);
@@ -73,6 +78,27 @@ std::string figures_text(const Problem& problem, const Assessment& assessment) {
                         table.curve.empty() ? 6 : 5, error);
   }
   return text;
+}
+
+void add_figures(ordered_json& json, const Problem& problem, const Assessment& assessment) {
+  add_curves(json, problem, assessment.model);
+  const FigureTable table = figure_table(problem, assessment);
+  if (table.figures.empty()) return;
+  ordered_json figures = ordered_json::array(), curve = ordered_json::array();
+  for (const Figure& figure : table.figures) {
+    figures.push_back({{"name", figure.name},
+                       {"unit", figure.unit},
+                       {"value", finite_or_null<ordered_json>(figure.value)},
+                       {"sigma", finite_or_null<ordered_json>(figure.sigma)}});
+  }
+  for (const FigurePoint& point : table.curve) {
+    curve.push_back({{"light", point.light},
+                     {"signal_dn", point.signal_dn},
+                     {"snr", finite_or_null<ordered_json>(point.snr)},
+                     {"sigma", finite_or_null<ordered_json>(point.sigma)},
+                     {"expected", finite_or_null<ordered_json>(point.expected)}});
+  }
+  json["figures"] = {{"title", table.title}, {"figures", figures}, {"snr_curve", curve}};
 }
 
 }  // namespace seam::measurement

@@ -25,6 +25,9 @@ std::string strongest_text(const Problem& problem, const Assessment& assessment,
                      two_digits(units(most)));
 }
 
+// An explanation that leaves more than this share of the error comes near to nothing.
+constexpr double kNoNearer = 0.99;
+
 // The steps, or where there are none the best candidate, as what comes nearest to an explanation.
 std::string nearest_text(const SearchResult& result) {
   std::vector<std::string> names;
@@ -39,6 +42,7 @@ std::string nearest_text(const SearchResult& result) {
     if (best == nullptr) return "";
     names = {best->effect->name}, left = best->grown.assessment.error;
   }
+  if (!(left < kNoNearer * result.base.assessment.error)) return "";
   return fmt::format(" Nearest: {}, {} {:.3g} of {:.3g}.", fmt::join(names, ", "),
                      names.size() == 1 ? "leaves" : "leave", left, result.base.assessment.error);
 }

@@ -3,21 +3,30 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "measurement/check/doubts.h"
 #include "measurement/report/curves/curves_told.h"
 #include "measurement/report/figures_told.h"
 #include "measurement/report/headline.h"
 #include "measurement/report/target_told.h"
 #include "measurement/report/told.h"
 #include "measurement/search/kept.h"
+#include "measurement/search/looked_for.h"
 
 namespace seam::measurement {
 namespace {
 
-std::string notes_text(const Problem& problem, const Model& model) {
-  std::string text;
-  for (const std::string& note : problem.facts().notes) text += note + "\n";
-  for (const std::string& missed : problem.remarks(model)) text += missed + "\n";
-  return text;
+// What the set and the model cannot say, and what may be wrong with them.
+struct Notes {
+  std::string warnings, others;
+};
+
+Notes notes_of(const Problem& problem, const Model& model) {
+  Notes notes;
+  for (const auto& list : {problem.facts().notes, problem.remarks(model)}) {
+    for (const std::string& note : list)
+      (note.starts_with("warning") ? notes.warnings : notes.others) += note + "\n";
+  }
+  return notes;
 }
 
 std::string findings_text(const Problem& problem, const Assessment& assessment) {
@@ -45,6 +54,25 @@ std::string free_text(const Problem& problem, const Assessment& before,
     text += " rms\n";
   }
   return text;
+}
+
+// An error that rises by less is the same in the figures that are told.
+constexpr double kSameError = 1.001;
+
+// Why a step is taken with which the error of held-out groups rises.
+std::string rise_text(const SearchResult& result, const Step& step) {
+  const bool goes_on = &step != &result.steps.back() &&
+                       result.best.assessment.error < kSameError * step.error_before;
+  return goes_on ? "      the error rises with it and falls with the steps that follow\n"
+                 : "      the error of held-out groups rises with it; all groups together are "
+                   "likelier with it\n";
+}
+
+// Questions about what the columns mean come before any result.
+std::string first_lines(const std::string& headline, const Doubts& doubts) {
+  Doubts others = doubts;
+  std::erase_if(others, [](const std::string& doubt) { return doubt.starts_with(kQuestion); });
+  return with_questions(headline, doubts) + doubts_text(others);
 }
 
 // Why the error is not that of `compare`, where it is not.
@@ -150,10 +178,20 @@ std::string doubts_text(const Doubts& doubts) {
   return text;
 }
 
+std::string with_questions(const std::string& headline, const Doubts& doubts) {
+  std::string text;
+  for (const std::string& doubt : doubts) {
+    if (doubt.starts_with(kQuestion))
+      text += doubt.substr(kQuestion.size()) + (doubt.ends_with('?') ? " " : ". ");
+  }
+  return text.empty() ? headline : "First: " + text + "As the set stands: " + headline;
+}
+
 std::string compare_text(const Problem& problem, const CompareResult& result,
                          const Doubts& doubts) {
   const Assessment& base = result.base.assessment;
-  std::string text = headline(problem, result) + doubts_text(doubts);
+  const Notes notes = notes_of(problem, base.model);
+  std::string text = first_lines(headline(problem, result), doubts);
   if (!base.held.valid)
     text +=
         "Some observations have no prediction with this model (points behind the camera, or beyond "
@@ -167,7 +205,7 @@ std::string compare_text(const Problem& problem, const CompareResult& result,
                         base.held.native[c], problem.facts().channels[c].noise,
                         problem.facts().channels[c].estimated ? " (estimated)" : "");
   }
-  text += free_text(problem, base) + findings_text(problem, base) + notes_text(problem, base.model);
+  text += free_text(problem, base) + findings_text(problem, base) + notes.warnings + notes.others;
   if (!result.outliers.empty())
     text += fmt::format(
         "{} residuals left out as outliers of this model (diagnose, which may find a better one, "
@@ -189,11 +227,11 @@ std::string diagnose_text(const Problem& problem, const SearchResult& result,
                           const Doubts& doubts) {
   const bool unexplained = result.verdict == "unexplained_structure";
   const std::vector<Candidate> traces = traces_of(result.first.candidates);
-  std::string text = diagnose_headline(problem, result) + doubts_text(doubts);
+  const Notes notes = notes_of(problem, result.best.assessment.model);
+  std::string text = first_lines(diagnose_headline(problem, result), doubts);
   text += fmt::format("{}: error {:.4f} on held-out groups (1.0 is the noise)\n",
                       problem.facts().title, result.base.assessment.error);
-  text += free_text(problem, result.base.assessment) +
-          notes_text(problem, result.best.assessment.model) + outlier_text(result);
+  text += free_text(problem, result.base.assessment) + notes.warnings + outlier_text(result);
   text += fmt::format("verdict: {}\n", result.verdict);
   if (!result.mimics.empty())
     text += fmt::format("may only imitate the unknown cause: {}\n", fmt::join(result.mimics, ", "));
@@ -210,19 +248,22 @@ std::string diagnose_text(const Problem& problem, const SearchResult& result,
   text += findings_text(problem, result.best.assessment);
   const std::string advice = advice_for(problem, result);
   if (!advice.empty()) text += "advice: " + advice + "\n";
-  return text + figures_text(problem, result.base.assessment) +
+  return text + looked_for_text(looked_for(problem, result)) + notes.others +
+         figures_text(problem, result.base.assessment) +
          curves_text(problem, result.base.assessment.model);
 }
 
 std::string discover_text(const Problem& problem, const SearchResult& result,
                           const Doubts& doubts) {
-  std::string text = discover_headline(problem, result) + doubts_text(doubts);
+  const Notes notes = notes_of(problem, result.best.assessment.model);
+  std::string text = first_lines(discover_headline(problem, result), doubts);
   text += fmt::format("{}: error {:.4f} on held-out groups before\n", problem.facts().title,
                       result.base.assessment.error);
-  text += notes_text(problem, result.best.assessment.model) + outlier_text(result);
+  text += notes.warnings + outlier_text(result);
   for (const Step& step : result.steps) {
     text += fmt::format("  + {:24s} {:.4f} -> {:.4f}   {}\n", step.effect, step.error_before,
                         step.error_after, told_values(result.best.assessment, step.effect));
+    if (step.error_after > kSameError * step.error_before) text += rise_text(result, step);
     for (const std::string& other : step.indistinguishable_from)
       text += fmt::format("      not separated from {} by these data\n", other);
   }
@@ -237,9 +278,10 @@ std::string discover_text(const Problem& problem, const SearchResult& result,
                     moved_value(result, kept), kept.errors);
   }
   text += fmt::format("error {:.4f}, {}\n", result.best.assessment.error,
-                      result.verdict == "unexplained_structure"
-                          ? "structure remains that no known effect explains"
-                          : "adequate");
+                      result.verdict != "unexplained_structure" ? "adequate"
+                      : result.remaining.empty() && !result.unnamed && result.mimics.empty()
+                          ? "no cause is established"
+                          : "structure remains that no known effect explains");
   if (result.errors_widened > 1.5)
     text += fmt::format(
         "standard errors are up to {:.1f} times those of independent noise, since groups differ by "
@@ -251,6 +293,7 @@ std::string discover_text(const Problem& problem, const SearchResult& result,
   if (result.verdict == "unexplained_structure")
     text += structure_lines(problem, result.best.assessment, result.remaining);
   return text + traces_text(problem.facts(), result.remaining_traces, result.last_traces) +
+         looked_for_text(looked_for(problem, result)) + notes.others +
          figures_text(problem, result.best.assessment) +
          curves_text(problem, result.best.assessment.model);
 }

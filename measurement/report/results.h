@@ -24,6 +24,9 @@ std::string diagnose_text(const Problem& problem, const SearchResult& result,
 std::string discover_text(const Problem& problem, const SearchResult& result,
                           const Doubts& doubts = {});
 std::string doubts_text(const Doubts& doubts);  // A line each.
+// The headline, behind those of the doubts that ask what the columns mean: no result is one before
+// they are answered.
+std::string with_questions(const std::string& headline, const Doubts& doubts);
 
 std::string add_json(const Problem& problem, const AddResult& result, const std::string& format,
                      const Doubts& doubts = {});

@@ -3,13 +3,13 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "measurement/report/curves/curves_told.h"
 #include "measurement/report/figures_told.h"
 #include "measurement/report/finite_or_null.h"
 #include "measurement/report/headline.h"
 #include "measurement/report/results.h"
 #include "measurement/report/target_told.h"
 #include "measurement/search/kept.h"
+#include "measurement/search/looked_for.h"
 #include "measurement/search/order.h"
 #include "sim_core/base/error.h"
 
@@ -45,28 +45,6 @@ void add_notes(ordered_json& json, const Problem& problem, const Model& model) {
   for (const std::string& missed : problem.remarks(model)) notes.push_back(missed);
   if (!notes.empty()) json["notes"] = notes;
   add_left_out(json, problem);
-}
-
-// The figures of a field's standard, and those that a model gives instead.
-void add_figures(ordered_json& json, const Problem& problem, const Assessment& assessment) {
-  add_curves(json, problem, assessment.model);
-  const FigureTable table = figure_table(problem, assessment);
-  if (table.figures.empty()) return;
-  ordered_json figures = ordered_json::array(), curve = ordered_json::array();
-  for (const Figure& figure : table.figures) {
-    figures.push_back({{"name", figure.name},
-                       {"unit", figure.unit},
-                       {"value", finite_or_null<ordered_json>(figure.value)},
-                       {"sigma", finite_or_null<ordered_json>(figure.sigma)}});
-  }
-  for (const FigurePoint& point : table.curve) {
-    curve.push_back({{"light", point.light},
-                     {"signal_dn", point.signal_dn},
-                     {"snr", finite_or_null<ordered_json>(point.snr)},
-                     {"sigma", finite_or_null<ordered_json>(point.sigma)},
-                     {"expected", finite_or_null<ordered_json>(point.expected)}});
-  }
-  json["figures"] = {{"title", table.title}, {"figures", figures}, {"snr_curve", curve}};
 }
 
 ordered_json native_json(const Problem& problem, const Score& score) {
@@ -240,13 +218,14 @@ int64_t observations_used(const Problem& problem) {
 
 std::string compare_json(const Problem& problem, const CompareResult& result,
                          const Doubts& doubts) {
-  ordered_json json = {{"format", "seam-compare/1"},
-                       {"headline", without_newline(headline(problem, result))},
-                       {"doubts", doubts},
-                       {"kind", problem.facts().kind()},
-                       {"n", count_used(problem)},
-                       {"observations", observations_used(problem)},
-                       {"groups", problem.facts().groups.size()}};
+  ordered_json json = {
+      {"format", "seam-compare/1"},
+      {"headline", without_newline(with_questions(headline(problem, result), doubts))},
+      {"doubts", doubts},
+      {"kind", problem.facts().kind()},
+      {"n", count_used(problem)},
+      {"observations", observations_used(problem)},
+      {"groups", problem.facts().groups.size()}};
   json.update(baseline_json(problem, result.base.assessment));
   add_noise(json, problem);
   json["structure"] = structure_json(result.structure);
@@ -282,17 +261,29 @@ void add_unnamed(ordered_json& json, const SearchResult& result) {
                            {"mimics", result.mimics}};
 }
 
+// What was looked for beside the effects, with what came of it.
+void add_looked_for(ordered_json& json, const Problem& problem, const SearchResult& result) {
+  ordered_json list = ordered_json::array();
+  for (const LookedFor& entry : looked_for(problem, result)) {
+    ordered_json one = {{"what", entry.what}, {"of", entry.covariates}, {"outcome", entry.outcome}};
+    if (!entry.why.empty()) one["why"] = entry.why;
+    list.push_back(std::move(one));
+  }
+  json["looked_for"] = std::move(list);
+}
+
 std::string diagnose_json(const Problem& problem, const SearchResult& result,
                           const Doubts& doubts) {
   const Assessment& base = result.base.assessment;
-  ordered_json json = {{"format", "seam-diagnose/1"},
-                       {"headline", without_newline(diagnose_headline(problem, result))},
-                       {"doubts", doubts},
-                       {"kind", problem.facts().kind()},
-                       {"n", problem.facts().rows()},
-                       {"residuals", count_used(problem)},
-                       {"groups", problem.facts().groups.size()},
-                       {"verdict", result.verdict}};
+  ordered_json json = {
+      {"format", "seam-diagnose/1"},
+      {"headline", without_newline(with_questions(diagnose_headline(problem, result), doubts))},
+      {"doubts", doubts},
+      {"kind", problem.facts().kind()},
+      {"n", problem.facts().rows()},
+      {"residuals", count_used(problem)},
+      {"groups", problem.facts().groups.size()},
+      {"verdict", result.verdict}};
   json["baseline"] = baseline_json(problem, base);
   add_noise(json, problem);
   std::vector<Candidate> candidates;
@@ -300,6 +291,7 @@ std::string diagnose_json(const Problem& problem, const SearchResult& result,
                std::back_inserter(candidates), [](const Candidate& c) { return !c.trace; });
   json["candidates"] = candidates_json(result, base, candidates);
   add_unnamed(json, result);
+  add_looked_for(json, problem, result);
   const bool unexplained = result.verdict == "unexplained_structure";
   json["structure"] = structure_json(unexplained ? result.remaining : result.base_structure);
   json["structure_of"] = unexplained ? "explanation" : "given";
@@ -338,7 +330,7 @@ std::string discover_json(const Problem& problem, const SearchResult& result,
                           const Doubts& doubts) {
   ordered_json json = {
       {"format", "seam-discover/1"},
-      {"headline", without_newline(discover_headline(problem, result))},
+      {"headline", without_newline(with_questions(discover_headline(problem, result), doubts))},
       {"doubts", doubts},
       {"kind", problem.facts().kind()},
       {"verdict",
@@ -355,6 +347,7 @@ std::string discover_json(const Problem& problem, const SearchResult& result,
   json["steps"] = steps;
   json["kept"] = kept_json(result);
   add_unnamed(json, result);
+  add_looked_for(json, problem, result);
   json["error"] = finite_or_null<ordered_json>(result.best.assessment.error);
   json["baseline"] = baseline_json(problem, result.base.assessment);
   json["native"] = native_json(problem, result.best.assessment.held);

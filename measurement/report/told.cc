@@ -81,6 +81,8 @@ std::string told_value(const effects::Parameter& parameter, const effects::Param
     return fmt::format("{:.6g}, at the {} of its range", value.value,
                        value.value <= parameter.min ? "lower end" : "upper end");
   if (!value.sigma) return "not determined";
+  // Left where it is: the data do not ask for it.
+  if (*value.sigma == 0) return fmt::format("{:.6g}", value.value);
   const double away =
       std::isfinite(parameter.neutral) ? value.value - parameter.neutral : value.value;
   // Against a typical size an error is small where the data say that there is none of it.

@@ -8,6 +8,7 @@
 #include "measurement/report/headline.h"
 #include "measurement/report/results.h"
 #include "measurement/report/target_told.h"
+#include "measurement/search/looked_for.h"
 
 namespace seam::measurement {
 namespace {
@@ -24,6 +25,8 @@ TEST(ToldValue, SaysWhatIsNotDeterminedAndWhatStandsAtABound) {
   EXPECT_EQ(told_as(-9e-7, 4.5e-4), "not determined (+- 0.00045)");
   EXPECT_EQ(told_as(0.003, 0.003), "not determined (+- 0.003)");
   EXPECT_EQ(told_as(0.003, std::nullopt), "not determined");
+  // Left where it was: the data did not ask for it.
+  EXPECT_EQ(told_as(0, 0), "0");
   EXPECT_EQ(told_as(0.01, 1e-4), "0.01, at the upper end of its range");
   EXPECT_EQ(told_as(-0.01, 1e-4), "-0.01, at the lower end of its range");
   // What no fit changed has no error, wherever it stands.
@@ -106,6 +109,9 @@ TEST(Headline, SaysThatNoKnownEffectExplainsItAndWhatComesNearest) {
   EXPECT_EQ(headline(room, result, 0),
             "No known effect explains this: mean of u_px varies with time (1.5 x noise). Nearest: "
             "focal_length_error, leaves 1.52 of 3.1.\n");
+  // What leaves as much comes near to nothing.
+  result.best.assessment.error = 3.1;
+  EXPECT_EQ(headline(room, result, 0).find("Nearest"), std::string::npos);
   result.steps.clear();
   EXPECT_EQ(headline(room, result, 0),
             "No known effect explains this: mean of u_px varies with time (1.5 x noise).\n");
@@ -129,6 +135,43 @@ TEST(Headline, CallsNothingMissingThatStandsAtABound) {
   EXPECT_NE(found(0.01).find("pupil (forward_m = 0.01) fits best at the end of its range"),
             std::string::npos)
       << found(0.01);
+}
+
+// Before it is known what the columns mean, no result is one.
+TEST(Headline, AsksWhatTheColumnsMeanFirst) {
+  EXPECT_EQ(with_questions("A is missing\n", {"warning: few rows"}), "A is missing\n");
+  EXPECT_EQ(with_questions("A is missing\n", {"warning: few rows", "question: metres?"}),
+            "First: metres? As the set stands: A is missing\n");
+}
+
+TEST(LookedFor, SaysOfEachWhatCameOfItAndWhyItWasNotTested) {
+  const Room room;
+  SearchResult result;
+  result.remaining = {of_u("time")};
+  result.remaining_traces = {of_u("row")};
+  result.functions = {{.covariates = {"row", "time"}, .log_evidence = 40},
+                      {.covariates = {"pan_rate"}, .is_testable = false}};
+  result.unnamed.emplace();
+  result.unnamed->depends_on = {{"row", "time"}};
+  const auto list = looked_for(room, result);
+  const auto outcome = [&](const std::string& what, const std::vector<std::string>& covariates) {
+    for (const LookedFor& entry : list) {
+      if (entry.what == what && entry.covariates == covariates) return entry.outcome;
+    }
+    return std::string("none");
+  };
+  EXPECT_EQ(outcome("smooth function", {"row", "time"}), "found");
+  EXPECT_EQ(outcome("smooth function", {"pan_rate"}), "not tested");
+  EXPECT_EQ(outcome("formula", {}), "not tested");
+  EXPECT_EQ(outcome("mean and spread", {"time"}), "found");
+  EXPECT_EQ(outcome("mean and spread", {"row"}), "trace");
+  EXPECT_EQ(outcome("mean and spread", {"pan_rate"}), "nothing");
+  EXPECT_EQ(outcome("mean of each label", {"frame"}), "nothing");
+  EXPECT_EQ(outcome("neighbours in time", {}), "not tested");
+  EXPECT_EQ(outcome("gross errors", {}), "nothing");
+  for (const LookedFor& entry : list)
+    EXPECT_EQ(entry.outcome == "not tested" && entry.why.empty(), false) << entry.what;
+  EXPECT_NE(looked_for_text(list).find("2 found"), std::string::npos) << looked_for_text(list);
 }
 
 TEST(Headline, NamesATraceOnce) {

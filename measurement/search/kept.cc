@@ -47,10 +47,14 @@ struct Misleading {
   Moved moved;
 };
 
-// Those of the traces that tell a value of the model wrong where they are left out.
-std::vector<Misleading> that_mislead(const Problem& problem, const Grown& grown,
-                                     const std::vector<Candidate>& traces, double looks,
-                                     double material) {
+bool is_less_likely(const Candidate& a, const Candidate& b) {
+  return a.grown.assessment.total_ll < b.grown.assessment.total_ll;
+}
+
+// The traces beside the model, less those that are none there.
+std::vector<Candidate> all_beside(const Problem& problem, const Grown& grown,
+                                  const std::vector<Candidate>& traces, double looks,
+                                  double material) {
   std::vector<std::optional<Candidate>> fitted(traces.size());
   const Work work("traces fitted", traces.size());
   parallel_for(traces.size(), [&](size_t i) {
@@ -58,17 +62,36 @@ std::vector<Misleading> that_mislead(const Problem& problem, const Grown& grown,
     fitted[i] = is_known ? traces[i] : fitted_beside(problem, grown, traces[i], looks, material);
     work.done();
   });
-  std::vector<Misleading> misleading;
-  std::optional<Assessment> widened;  // Dear: where some trace may mislead.
+  std::vector<Candidate> beside;
   for (auto& candidate : fitted) {
-    if (!candidate) continue;
-    const Assessment& there = candidate->grown.assessment;
-    if (there.total_ll <= grown.assessment.total_ll ||
-        most_moved(grown.assessment, there).errors <= kToldWrong)
-      continue;
-    if (!widened) widened = stated(problem, grown);
-    const Moved moved = most_moved(*widened, there);
-    if (moved.errors > kToldWrong) misleading.push_back({*std::move(candidate), moved});
+    if (candidate && candidate->grown.assessment.total_ll > grown.assessment.total_ll)
+      beside.push_back(*std::move(candidate));
+  }
+  return beside;
+}
+
+// Those of the traces that tell a value of the model wrong where they are left out. Two may stand
+// for one cause: then the likelier says which, and what only the other tells is not wrong.
+std::vector<Misleading> that_mislead(const Problem& problem, const Grown& grown,
+                                     const std::vector<Candidate>& traces, double looks,
+                                     double material) {
+  const std::vector<Candidate> beside = all_beside(problem, grown, traces, looks, material);
+  const auto likeliest = std::max_element(beside.begin(), beside.end(), is_less_likely);
+  std::vector<Misleading> misleading;
+  std::optional<Assessment> without, with_likeliest;  // Dear: where some trace may mislead.
+  for (auto trace = beside.begin(); trace != beside.end(); ++trace) {
+    const Assessment& there = trace->grown.assessment;
+    if (most_moved(grown.assessment, there).errors <= kToldWrong) continue;
+    if (!without) without = stated(problem, grown);
+    const Moved moved = most_moved(*without, there);
+    if (moved.errors <= kToldWrong) continue;
+    if (trace != likeliest) {
+      const auto both = fitted_beside(problem, likeliest->grown, *trace, looks, material);
+      if (!both) continue;
+      if (!with_likeliest) with_likeliest = stated(problem, likeliest->grown);
+      if (most_moved(*with_likeliest, both->grown.assessment).errors <= kToldWrong) continue;
+    }
+    misleading.push_back({*trace, moved});
   }
   return misleading;
 }
@@ -105,6 +128,22 @@ void keep_traces(const Problem& problem, double looks, SearchResult& result) {
       if (&other != &*worst) traces.push_back(other.trace);
     }
   }
+}
+
+std::optional<Assessment> with_traces(const Problem& problem, double looks,
+                                      const SearchResult& result) {
+  Grown grown = result.best;
+  std::vector<Candidate> traces = result.last_traces;
+  for (size_t count = 0; count < kMostKept && !traces.empty(); ++count) {
+    std::vector<Candidate> beside = all_beside(problem, grown, traces, looks, result.material);
+    const auto likeliest = std::max_element(beside.begin(), beside.end(), is_less_likely);
+    if (likeliest == beside.end()) break;
+    grown = likeliest->grown;
+    beside.erase(likeliest);
+    traces = std::move(beside);
+  }
+  if (grown.added.size() == result.best.added.size()) return std::nullopt;
+  return std::move(grown.assessment);
 }
 
 std::string moved_value(const SearchResult& result, const KeptTrace& kept) {

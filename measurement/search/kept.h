@@ -3,6 +3,7 @@
 // over the variance of a pattern that is left out, and is told with an error that knows of none.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "measurement/search/search.h"
@@ -19,6 +20,11 @@ Moved most_moved(const Assessment& without, const Assessment& with);
 // Fits those traces of the last look beside the best model that move a value by more than
 // kToldWrong of its errors, the worst first, each beside those before it. `looks` as `judge` asks.
 void keep_traces(const Problem& problem, double looks, SearchResult& result);
+
+// The best model with the traces of the last look beside it, the likeliest first, while each is one
+// beside those before it. Nothing where there are none.
+std::optional<Assessment> with_traces(const Problem& problem, double looks,
+                                      const SearchResult& result);
 
 // The value that a trace which was kept moves most, as effect.parameter.
 std::string moved_value(const SearchResult& result, const KeptTrace& kept);

@@ -7,6 +7,7 @@
 #include "measurement/fitting/group_scatter.h"
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/search/choice.h"
+#include "measurement/search/kept.h"
 #include "sim_core/system/work_tally.h"
 
 namespace seam::measurement {
@@ -245,18 +246,54 @@ bool explained_by_noises(const SearchResult& result) {
          noises_found(result).size() == result.steps.size();
 }
 
+namespace {
+
+// What a trace makes of the structure matters as little as the trace: no more than it changes.
+void leave_to_traces(const Problem& problem, SearchResult& result) {
+  if (result.remaining.empty()) return;
+  const auto with = with_traces(problem, std::max(1.0, result.first.tried), result);
+  if (!with) return;
+  const SplitStructure left = significant_structure(problem, *with, result.material);
+  const auto stays = [&](const Structure& structure) {
+    return std::any_of(left.material.begin(), left.material.end(), [&](const Structure& s) {
+      return s.residual == structure.residual && s.moment == structure.moment &&
+             s.covariate == structure.covariate;
+    });
+  };
+  const auto gone = std::stable_partition(result.remaining.begin(), result.remaining.end(), stays);
+  result.remaining_traces.insert(result.remaining_traces.begin(), gone, result.remaining.end());
+  result.remaining.erase(gone, result.remaining.end());
+}
+
+// Whether a step fits best where its range ends, other than at nothing: whatever is there would
+// have it go on.
+bool ends_at_bound(const SearchResult& result) {
+  const Assessment& best = result.best.assessment;
+  for (size_t k = 0; k < best.unknowns.size() && k < best.fit.at_bound.size(); ++k) {
+    const bool is_step =
+        std::any_of(result.steps.begin(), result.steps.end(),
+                    [&](const Step& step) { return step.effect == best.unknowns[k].effect; });
+    if (is_step && best.fit.at_bound[k] && best.fit.value[k] != 0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 void give_verdict(const Problem& problem, const SplitStructure& of_base, SearchResult& result) {
   const bool is_given = result.steps.empty() && result.kept.empty();
   const SplitStructure of_best =
       is_given ? of_base : significant_structure(problem, result.best.assessment, result.material);
   result.base_structure = of_base.material, result.base_traces = of_base.traces;
   result.remaining = of_best.material, result.remaining_traces = of_best.traces;
+  leave_to_traces(problem, result);
   const bool first_found =
       !result.first.candidates.empty() && result.first.candidates.front().significant;
   const bool has_error = std::isfinite(result.best.assessment.error);
   const bool structure_left =
       !result.remaining.empty() && (has_mean_structure(result.remaining) || !first_found);
-  if (!has_error || result.unnamed || !result.mimics.empty() || structure_left) {
+  if (!has_error || result.unnamed || !result.mimics.empty() || structure_left ||
+      ends_at_bound(result)) {
     result.verdict = "unexplained_structure";
   } else {
     result.verdict = result.steps.empty() ? "adequate" : "missing_effect";

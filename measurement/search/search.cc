@@ -338,7 +338,8 @@ SearchResult Searcher::run() {
   result.outliers_of_given = result.outliers.size();
   // Large errors that were given back to an effect of their own count as outliers for good where
   // the search then ends without one.
-  bool marks_changed = true, in_vain = false;
+  bool marks_changed = true;
+  LargeErrors large_errors = LargeErrors::open;
   for (int round = 0; round < kOutlierRounds && marks_changed; ++round) {
     base_ = base();
     if (round == 0 && base_.assessment.held.valid) check_enough(problem_, base_.assessment);
@@ -346,12 +347,17 @@ SearchResult Searcher::run() {
         round > 0 ? std::optional(std::move(result.best)) : std::nullopt;
     const bool given_back = round > 0 && problem_.left_out().empty();
     forward(result, earlier ? &*earlier : nullptr);
-    in_vain = in_vain || (given_back && !tells_large_errors(model_, result.best.assessment.model));
     // Outliers are those of the best model; with others the search is run again.
     const Assessment& best = result.best.assessment;
+    const bool tells = tells_large_errors(model_, best.model);
+    if (given_back && !tells) large_errors = LargeErrors::in_vain;
+    if (large_errors == LargeErrors::open && tells && !problem_.left_out().empty())
+      large_errors = LargeErrors::proven;
     marks_changed =
-        (in_vain || explains_something(best.error, base_.assessment.error)) &&
-        mark_outliers(problem_, judge_of_outliers(problem_, model_, result.best, in_vain), result);
+        (large_errors == LargeErrors::in_vain ||
+         explains_something(best.error, base_.assessment.error)) &&
+        mark_outliers(problem_, judge_of_outliers(problem_, model_, result.best, large_errors),
+                      result);
   }
   if (marks_changed) base_ = base();
   result.base = base_;

@@ -48,6 +48,8 @@ struct SearchResult {
   std::optional<UnnamedCause> unnamed;
   std::optional<Suggestion> suggestion;
   std::vector<std::string> mimics;
+  std::vector<TriedFunction> functions;  // Smooth ones, beside the last step.
+  bool formula_sought = false;
   double mimics_error = 0;             // Of the model that has them.
   std::vector<Candidate> last_traces;  // Effects that are traces beside the best model.
   double material = 0;                 // The least that counts, in noise units.
@@ -70,8 +72,11 @@ bool tells_large_errors(const Model& given, const Model& model);
 // The model that says what an outlier is: the best one, without the large errors now and then that
 // a search gave it where fewer than ten rows have such, which tell no distribution: they are gross.
 // Where as many or more were left out, one by one, and an effect explains them, with this effect.
-// `in_vain`: they were given back before, and no effect took them: the model as it is.
-Model judge_of_outliers(Problem& problem, const Model& given, const Grown& best, bool in_vain);
+// `in_vain`: they were given back before, and no effect took them: the model as it is. `proven`: an
+// effect that makes them was found with them left out: fitted to all rows, it says which it makes.
+enum class LargeErrors { open, in_vain, proven };
+Model judge_of_outliers(Problem& problem, const Model& given, const Grown& best,
+                        LargeErrors large_errors);
 
 // Marks outliers under this model; returns whether the marks changed.
 bool mark_outliers(Problem& problem, const Model& model, SearchResult& result);

@@ -59,19 +59,19 @@ bool adds_noise_alone(const Grown& earlier, const Grown& last) {
 }  // namespace
 
 std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::vector<Grown>& grown,
-                                           double material) {
+                                           double material, std::vector<TriedFunction>* tried) {
   std::vector<Explanation> explanations;
   for (const Grown& g : grown)
     explanations.push_back(
         {&g.assessment, merit_of(problem, g), adds_noise_alone(g, grown.back())});
-  auto cause = unnamed_cause(problem, explanations, material);
+  auto cause = unnamed_cause(problem, explanations, material, tried);
   if (cause && !explains_better(cause->lead, cause->error_after, grown.back())) cause.reset();
   return cause;
 }
 
 void look_for_unnamed(const Problem& problem, SearchResult& result) {
   const std::vector<Grown> grown = explanations_of(result);
-  result.unnamed = unnamed_beside(problem, grown, result.material);
+  result.unnamed = unnamed_beside(problem, grown, result.material, &result.functions);
   if (result.unnamed) end_steps_at(result.unnamed->beside, grown[result.unnamed->beside], result);
 }
 
@@ -83,6 +83,7 @@ bool look_for_formula(const Problem& problem, const Progress& progress, SearchRe
       of_mean == result.steps.size())
     return false;
   progress("building a formula from the residuals");
+  result.formula_sought = true;
   size_t beside = 0;
   double most = 0;
   for (const size_t place :

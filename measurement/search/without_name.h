@@ -11,7 +11,8 @@ namespace seam::measurement {
 
 // The best smooth functions beside one of these models, each of which grew from the one before.
 std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::vector<Grown>& grown,
-                                           double material);
+                                           double material,
+                                           std::vector<TriedFunction>* tried = nullptr);
 
 // Where smooth functions explain the set better beside some of the steps, the others imitate them:
 // they are steps no more.

@@ -87,6 +87,7 @@ export interface Result {
   steps?: Step[];
   versions?: Step[];
   outliers?: Outlier[] | { count?: number; items?: Outlier[] };
+  looked_for?: { what: string; of: string[]; outcome: string; why?: string }[];
   not_testable?: { effect: string; parameter?: string; why?: string }[];
   figures?: FigureTable;
   suggestion?: Suggestion;

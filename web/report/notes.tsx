@@ -29,6 +29,22 @@ export function NotTestable({ report }: { report: Report }) {
   );
 }
 
+const outcomes = ["found", "trace", "not tested", "nothing"];
+
+export function LookedFor({ report }: { report: Report }) {
+  const all = report.result.looked_for ?? [];
+  if (all.length === 0) return null;
+  const sorted = outcomes.flatMap((outcome) => all.filter((item) => item.outcome === outcome));
+  return (
+    <section id="looked-for">
+      <h2>What was looked for</h2>
+      <p class="lead">Beside the catalogue's effects, in the model with all effects found.</p>
+      <DataTable columns={[{ label: "What" }, { label: "Of" }, { label: "Outcome" }, { label: "Why", class: "why" }]}
+        rows={sorted.map((item) => ({ cells: [item.what, item.of.join(", "), item.outcome, item.why] }))} />
+    </section>
+  );
+}
+
 const listed = 40;
 
 interface Stretch {

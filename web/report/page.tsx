@@ -5,7 +5,7 @@ import type { Report } from "./data";
 import { Distributions, ErrorFalling, Worth } from "./errors";
 import { Figures } from "./figures";
 import { Formula } from "./formula";
-import { Advice, NotTestable, Outliers, Reproduce, Tables } from "./notes";
+import { Advice, LookedFor, NotTestable, Outliers, Reproduce, Tables } from "./notes";
 import { Residuals } from "./residuals";
 import { IntervalPlots, Modes, SeriesPlots } from "./series";
 import { Structure } from "./structure";
@@ -32,6 +32,7 @@ export function Page({ report }: { report: Report }) {
       <Worth report={report} />
       <Distributions report={report} />
       <Tables report={report} />
+      <LookedFor report={report} />
       <NotTestable report={report} />
       <Outliers report={report} />
       <Reproduce report={report} />

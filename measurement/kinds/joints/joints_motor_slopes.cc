@@ -124,6 +124,11 @@ void JointsProblem::state_errors(Fit& fit, const std::vector<Unknown>& unknowns,
   for (size_t i = 0; i < unknowns.size(); ++i) {
     const bool spread = fit.model.find(unknowns[i].effect)->definition->spread_only;
     if (spread || !(fit.sigma[i] > 0) || !std::isfinite(fit.sigma[i])) continue;
+    // What stays at nothing, where its range ends, leaves what others are known by to them.
+    const effects::Parameter& parameter =
+        fit.model.find(unknowns[i].effect)->definition->parameters[unknowns[i].parameter];
+    const bool at_end = fit.value[i] <= parameter.min || fit.value[i] >= parameter.max;
+    if (at_end && fit.value[i] == parameter.neutral) continue;
     told.push_back(unknowns[i]), place.push_back(i);
   }
   if (told.empty()) return;

@@ -215,6 +215,11 @@ TEST(Photometry, ClippedValuesTellNoSmallerVarianceThanTheSetAllows) {
       .gain_dn = 4095, .black_dn = 100, .electrons_per_dn = 3, .read_sigma_dn = 3};
   const effects::SensorExposure exposure{.file_bits = 12};
   const SetNoise noise{.least_at_top_dn2 = 130};
+  // A model without noise has none at the end of the range, either: else it would be likeliest with
+  // all values there.
+  const effects::SensorChain silent{.gain_dn = 4095, .black_dn = 100};
+  EXPECT_EQ(respond(silent, exposure, 1, noise, 6000).variance,
+            respond(silent, exposure, 1, noise, 3000.5).variance);
   EXPECT_LT(respond(chain, exposure, 1, {}, 4130).variance, 1);
   EXPECT_EQ(respond(chain, exposure, 1, noise, 4130).variance, 130);
   EXPECT_EQ(respond(chain, exposure, 1, noise, 0).variance,

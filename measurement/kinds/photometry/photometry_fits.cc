@@ -267,8 +267,8 @@ Fit PhotometryProblem::fit_to(const PhotometryView& view, const Model& start,
     for (size_t i = 0; i < unknowns.size(); ++i) {
       const double scale =
           start.find(unknowns[i].effect)->definition->parameters[unknowns[i].parameter].scale;
-      if (std::isfinite(maximum.sigma[i]) &&
-          maximum.sigma[i] > 10 * std::max(std::abs(maximum.value[i]), scale))
+      if (std::isfinite(maximum.axis_sigma[i]) &&
+          maximum.axis_sigma[i] > 10 * std::max(std::abs(maximum.value[i]), scale))
         return true;
     }
     return false;

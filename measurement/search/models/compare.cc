@@ -85,6 +85,15 @@ Model with_large_errors(Problem& problem, const Grown& best) {
   return found;
 }
 
+// What is left out for being large is what tells the size of large errors.
+Model fitted_to_all_rows(Problem& problem, const Grown& best) {
+  const std::vector<char> marked = problem.left_out();
+  problem.leave_out({});
+  const Assessment all = assess(problem, best.assessment.model, best.assessment.unknowns);
+  problem.leave_out(marked);
+  return all.valid ? all.model : best.assessment.model;
+}
+
 // Without what was added of them.
 Model without_large_errors(const Model& given, const Model& model) {
   Model without = model;
@@ -101,10 +110,13 @@ bool tells_large_errors(const Model& given, const Model& model) {
   return without_large_errors(given, model).effects().size() < model.effects().size();
 }
 
-Model judge_of_outliers(Problem& problem, const Model& given, const Grown& best, bool in_vain) {
+Model judge_of_outliers(Problem& problem, const Model& given, const Grown& best,
+                        LargeErrors large_errors) {
   const Model& model = best.assessment.model;
-  if (in_vain) return model;
-  if (!tells_large_errors(given, model)) return with_large_errors(problem, best);
+  const bool tells = tells_large_errors(given, model);
+  if (tells && large_errors == LargeErrors::proven) return fitted_to_all_rows(problem, best);
+  if (large_errors == LargeErrors::in_vain) return model;
+  if (!tells) return with_large_errors(problem, best);
   const Model without = without_large_errors(given, model);
   return are_few(rows_of(problem, problem.find_outliers(without))) ? without : model;
 }
