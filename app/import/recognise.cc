@@ -45,6 +45,17 @@ std::string kind_meant_by(const std::string& word) {
   return "";
 }
 
+const ImportKind& import_kind_named(const std::string& name) {
+  std::vector<std::string> names;
+  for (const ImportKind& kind : import_kinds()) {
+    if (kind.name == name) return kind;
+    names.push_back(kind.name);
+  }
+  const std::string meant = kind_meant_by(name);
+  if (!meant.empty()) throw UsageError(fmt::format("unknown kind '{}'. {}", name, meant));
+  throw UsageError(fmt::format("unknown kind '{}'{}", name, suggestion_for(name, names)));
+}
+
 std::string other_import_for(const std::vector<fs::path>& sources, const std::string& kind) {
   for (const fs::path& source : sources) {
     const FileLook look = look_at(source);

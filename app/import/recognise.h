@@ -13,6 +13,9 @@ namespace seam::app {
 // empty: none.
 std::string kind_meant_by(const std::string& word);
 
+// Throws UsageError for a word that is none's name, with what may be meant.
+const ImportKind& import_kind_named(const std::string& name);
+
 // For the first of the sources that `kind` does not read and another import does, a sentence that
 // names that import's command; empty: there is none.
 std::string other_import_for(const std::vector<std::filesystem::path>& sources,

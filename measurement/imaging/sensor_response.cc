@@ -93,7 +93,7 @@ Response respond(const SensorChain& chain, const SensorExposure& exposure, int c
   // No value is exactly certain: a constant field with rounding off by one.
   constexpr double kCertain = 1e-4;
   out.variance = std::max(out.variance, kCertain);
-  // A value that is cut off is told no worse than the model says of one that is not: else a model
+  // A value that is cut off has no more noise than the model gives one that is not: else a model
   // without noise is likeliest where it sends all values to an end of the range.
   const double uncut = std::max(all2 + noise2, kCertain);
   if (is_near_top(chain, exposure.file_bits, out.mean))

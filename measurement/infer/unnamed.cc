@@ -9,7 +9,6 @@
 #include "measurement/infer/smooth_field.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/parallel_for.h"
-#include "measurement/problem/mean_whitened.h"
 
 namespace seam::measurement {
 namespace {
@@ -91,8 +90,7 @@ Residuals::Residuals(const Problem& problem, const Model& model,
   }
   span_ = columns.empty() ? slopes : column_basis(slopes, 1e-6);
   std::vector<double> beyond = here_.whitened;
-  const size_t n = problem.facts().scalars();
-  for (size_t i = 0; i < n; ++i) beyond[i] -= mean_whitened(here_, n, i);
+  for (size_t i = 0; i < problem.facts().scalars(); ++i) beyond[i] = here_.beyond_mean(i);
   rest_ = own_of(beyond);
 }
 

@@ -160,7 +160,7 @@ void HiddenErrors::filter(const Part& part, const std::vector<int>& place, const
       log_det += seen.log_det;
       evaluation.mean_square[o.scalar] =
           known ? o.shape->mean_square_of_second(sigma) : o.shape->mean_square(sigma);
-      evaluation.mean_square[facts.scalars() + o.scalar] = o.shape->mean(sigma);
+      evaluation.mean_whitened[o.scalar] = o.shape->mean(sigma);
       lot = o.shape->share_of_more(innovation, sigma, fraction);
       if (shares.empty()) continue;
       const LogDensity density = o.shape->at(innovation, sigma, fraction);
@@ -184,7 +184,7 @@ std::vector<HiddenErrors::Learnt> HiddenErrors::learn(const Facts& facts,
                                   [](const Observed& o) { return o.shape != nullptr; });
   if (shaped) {
     evaluation.mean_square.resize(facts.scalars(), 1);
-    evaluation.mean_square.resize(2 * facts.scalars(), 0);
+    evaluation.mean_whitened.resize(facts.scalars(), 0);
     evaluation.deviance.resize(facts.scalars(), std::numeric_limits<double>::infinity());
   }
   std::vector<int> place;

@@ -186,13 +186,13 @@ class Search {
     return most;
   }
 
-  // The curvature along a direction over about a standard error; `told` is what differences along
-  // the axes say.
-  double along(double here, const VectorXd& way, double told) const {
+  // The curvature along a direction over about a standard error; `by_axes` is what differences
+  // along the axes say.
+  double along(double here, const VectorXd& way, double by_axes) const {
     constexpr double kStandard = 0.5, kLeast = 0.1, kMost = 2;  // Falls of the log-likelihood.
-    constexpr double kFarther = 4, kNearer = 0.1, kLeastTold = 1e-6;
+    constexpr double kFarther = 4, kNearer = 0.1, kLeastByAxes = 1e-6;
     const double most = room(way);
-    double far = 1 / std::sqrt(std::max(told, kLeastTold)), curvature = std::max(told, 0.0);
+    double far = 1 / std::sqrt(std::max(by_axes, kLeastByAxes)), curvature = std::max(by_axes, 0.0);
     for (int attempt = 0; attempt < 8 && most > 0; ++attempt) {
       far = std::min(far, most);
       const double fall = here - 0.5 * (value(z_ + far * way) + value(z_ - far * way));

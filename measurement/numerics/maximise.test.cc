@@ -29,7 +29,7 @@ TEST(Maximise, ACorrelatedNormalHasItsMeanAndCovariance) {
   EXPECT_FALSE(found.at_bound[0]);
 }
 
-// Two values of which the sum is told a thousand times better than the difference, by a likelihood
+// Two values of which the sum is known a thousand times better than the difference, by a likelihood
 // that is good to 1e-4: differences along the axes leave nothing of the difference's curvature.
 TEST(Maximise, AWeakDirectionHasItsOwnError) {
   const auto log_density = [](const std::vector<double>& x) {

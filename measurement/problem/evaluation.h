@@ -43,8 +43,8 @@ struct Evaluation {
   double shared_log_det = 0;    // The part of log det S that is no single group's.
   double absorbed = 0;          // Freedom of the residuals that estimated draws take.
   // Where errors are not normal, `whitened` is the signed root of twice what the residual costs: by
-  // scalar the mean of its square, behind these its mean (noise/few_errors.h). Empty: 1, and 0.
-  std::vector<double> mean_square;
+  // scalar the mean of its square and its mean (noise/few_errors.h). Empty: 1, and 0.
+  std::vector<double> mean_square, mean_whitened;
   // Its size there, of what is left out as well, by which outliers are told; infinite for scalars
   // with normal errors.
   std::vector<double> deviance;
@@ -55,6 +55,11 @@ struct Evaluation {
   // parameters of the mean; `reusable` may lag behind them (a fit evaluates afresh between rounds).
   std::vector<double> mean_key;
   std::shared_ptr<const void> reusable;
+
+  // A whitened residual less what the model expects of it.
+  double beyond_mean(size_t scalar) const {
+    return whitened[scalar] - (mean_whitened.empty() ? 0 : mean_whitened[scalar]);
+  }
 };
 
 // The parameters of a model that act on the mean, in order.

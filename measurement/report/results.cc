@@ -56,7 +56,7 @@ std::string free_text(const Problem& problem, const Assessment& before,
   return text;
 }
 
-// An error that rises by less is the same in the figures that are told.
+// An error that rises by less is the same in the figures that are printed.
 constexpr double kSameError = 1.001;
 
 // Why a step is taken with which the error of held-out groups rises.

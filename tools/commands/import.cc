@@ -26,17 +26,6 @@ struct ImportFlags {
   std::vector<std::string> sources;
 };
 
-const app::ImportKind& kind_named(const std::string& name) {
-  std::vector<std::string> names;
-  for (const app::ImportKind& kind : app::import_kinds()) {
-    if (kind.name == name) return kind;
-    names.push_back(kind.name);
-  }
-  const std::string meant = app::kind_meant_by(name);
-  if (!meant.empty()) throw UsageError(fmt::format("unknown kind '{}'. {}", name, meant));
-  throw UsageError(fmt::format("unknown kind '{}'{}", name, suggestion_for(name, names)));
-}
-
 // What stands before and behind the sign in each entry of a list, OURS=THEIRS,OURS=THEIRS.
 std::map<std::string, std::string> names_in(const std::string& map) {
   std::map<std::string, std::string> names;
@@ -234,7 +223,7 @@ void add_import(app::Command app) {
       "do not say is printed and kept in measurement.yaml under `imported`.\n"
       "Example: seam import servo log.csv --map command=goal,measured=angle --unit deg --out arm");
   command.callback([flags] {
-    const app::ImportKind& kind = kind_named(flags->kind);
+    const app::ImportKind& kind = app::import_kind_named(flags->kind);
     check_options(*flags, kind);
     const app::ImportRequest request = request_of(*flags);
     const std::string text =

@@ -75,13 +75,6 @@ std::string name_after(const fs::path& source) {
   return "set-" + name;
 }
 
-const app::ImportKind& kind_named(const std::string& name) {
-  for (const app::ImportKind& kind : app::import_kinds()) {
-    if (kind.name == name) return kind;
-  }
-  throw UsageError("kind: expected one of those that seam import --help lists");
-}
-
 }  // namespace
 
 void Making::finish() const {
@@ -152,7 +145,7 @@ Making Intake::of_dropped(const std::string& dropped, const std::string& kind,
   if (!dropped.starts_with("dropped") || plain_name(dropped) != fs::path(dropped).filename() ||
       !fs::is_directory(folder))
     throw UsageError("dropped: expected what the answer to the files has as `dropped`");
-  const std::vector<std::string>& known = kind_named(kind).options;
+  const std::vector<std::string>& known = app::import_kind_named(kind).options;
   Making making{
       .set = {}, .folder = folder, .command = {"import", kind}, .nominal = {}, .pictures = folder};
   const std::vector<fs::path> sources = sources_in(folder);

@@ -7,7 +7,7 @@ EffectDefinition accel_random_walk() {
       .name = "accel_random_walk",
       .stage = kInertial,
       .kinds = kImu,
-      .parameters = axis_parameters("mps3_rthz", 0, 10, 1e-4, "K, m/s^2^2 / sqrt(Hz)."),
+      .parameters = axis_parameters("mps3_rthz", 0, 10, 1e-4, "K, m/s^3 / sqrt(Hz)."),
       .help = "The bias of the accelerometer is a random walk: K of IEEE 952.",
       .formula = "power K^2 dt / (2 sin(pi f dt))^2; Allan deviation K sqrt(tau / 3)",
       .signature = "power that grows as 1 / f^2; an Allan deviation that rises",

@@ -8,7 +8,6 @@
 #include "measurement/numerics/legendre.h"
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/numerics/regression.h"
-#include "measurement/problem/mean_whitened.h"
 #include "measurement/problem/neighbour.h"
 #include "measurement/problem/problem.h"
 #include "sim_core/base/maths.h"
@@ -52,12 +51,6 @@ std::vector<char> taken_by_a_start(const Facts& facts, const Evaluation& evaluat
   return taken;
 }
 
-// A whitened residual less what the model expects of it.
-double beyond_mean(const Facts& facts, const Evaluation& evaluation, int scalar) {
-  const auto i = static_cast<size_t>(scalar);
-  return evaluation.whitened[i] - mean_whitened(evaluation, facts.scalars(), i);
-}
-
 std::vector<Signal> signals_of(const Facts& facts, const Evaluation& evaluation) {
   std::vector<Signal> signals;
   std::vector<std::vector<int>> scalar_of(facts.channels.size(),
@@ -73,7 +66,7 @@ std::vector<Signal> signals_of(const Facts& facts, const Evaluation& evaluation)
     Signal signal{.name = facts.channels[c].name};
     for (size_t row = 0; row < facts.rows(); ++row) {
       const int i = scalar_of[c][row];
-      if (i >= 0) signal.add(row, beyond_mean(facts, evaluation, i), evaluation.residual[i]);
+      if (i >= 0) signal.add(row, evaluation.beyond_mean(i), evaluation.residual[i]);
     }
     if (signal.z.size() >= 8) signals.push_back(std::move(signal));
   }
@@ -85,7 +78,7 @@ std::vector<Signal> signals_of(const Facts& facts, const Evaluation& evaluation)
       const auto combine = [&](double of_a, double of_b) {
         return combined.weight_a[row] * of_a + combined.weight_b[row] * of_b;
       };
-      signal.add(row, combine(beyond_mean(facts, evaluation, a), beyond_mean(facts, evaluation, b)),
+      signal.add(row, combine(evaluation.beyond_mean(a), evaluation.beyond_mean(b)),
                  combine(evaluation.residual[a], evaluation.residual[b]));
     }
     if (signal.z.size() >= 8) signals.push_back(std::move(signal));

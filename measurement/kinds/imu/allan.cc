@@ -3,14 +3,14 @@
 #include <cmath>
 #include <limits>
 
+#include "measurement/numerics/moments.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {
 
 std::vector<CurvePoint> allan_deviation(const std::vector<double>& series, double dt_s) {
   const size_t n = series.size();
-  double mean = 0;
-  for (const double value : series) mean += value / static_cast<double>(n);
+  const double mean = mean_of(series);
   std::vector<double> sum(n + 1, 0);  // From which a difference of means is three look-ups.
   for (size_t i = 0; i < n; ++i) sum[i + 1] = sum[i] + series[i] - mean;
   std::vector<CurvePoint> points;

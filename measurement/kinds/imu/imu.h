@@ -13,7 +13,7 @@
 
 namespace seam::measurement {
 
-// Powers closer than this are not told apart, however many lines they are the mean of: 1 % of the
+// Powers closer than this are not separated, however many lines they are the mean of: 1 % of the
 // amplitude. Filters and resonances of real sensors make ripples of this size.
 inline constexpr double kPowerAccuracy = 0.02;
 
@@ -37,7 +37,7 @@ class ImuProblem : public Problem, public HasCurves {
     return std::vector<char>(facts_.scalars(), 0);
   }
   std::string no_outliers_because() const override {
-    return "noise is told by powers of many samples, in which a single one does not show";
+    return "noise is seen in powers of many samples, in which a single one does not show";
   }
   std::vector<Curve> curves(const Model& model) const override;
 

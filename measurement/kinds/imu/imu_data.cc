@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "measurement/kinds/imu/cosine_transform.h"
+#include "measurement/numerics/moments.h"
 #include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
 
@@ -109,12 +110,6 @@ void hold_last(std::vector<double>& values) {
 }
 
 }  // namespace
-
-double mean_of(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
-}
 
 ImuData read_imu(const MeasurementSet& set, bool measured) {
   const CsvTable table = set.table("imu");

@@ -45,8 +45,6 @@ struct ImuData {
   size_t left = 0;  // Samples that are in no stretch.
 };
 
-double mean_of(const std::vector<double>& values);
-
 // Reads and checks imu.csv. `measured` false: a protocol, readings are not looked at.
 ImuData read_imu(const MeasurementSet& set, bool measured);
 

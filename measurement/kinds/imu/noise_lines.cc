@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "measurement/kinds/imu/cosine_transform.h"
+#include "measurement/numerics/moments.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {
@@ -107,7 +108,8 @@ Cells cells_of(const ImuStretch& stretch, size_t axis, size_t parts) {
   return cells;
 }
 
-// Weights of cells by which the reading's dependence on temperature is told best, and its variance.
+// Weights of cells by which the reading's dependence on temperature is estimated best, and its
+// variance.
 struct Regression {
   std::vector<double> weight;  // By cell.
   double variance = 0;
@@ -129,7 +131,7 @@ Regression regression_of(const Cells& cells, const SmoothSpectrum& smooth, size_
   return out;
 }
 
-// The dependence told by some of the cells.
+// The dependence estimated from some of the cells.
 double slope_of(const Cells& cells, const Regression& regression, size_t first, size_t step) {
   double reading = 0, warmth = 0, count = 0, up = 0, down = 0;
   for (size_t j = first; j < cells.reading.size(); j += step)

@@ -1,4 +1,4 @@
-// The noise of one axis over frequency, told by lines: coefficients of the cosine transform of each
+// The noise of one axis over frequency, by its lines: coefficients of the cosine transform of each
 // stretch. Lines of a band are summed up, each over a smooth spectrum that fits them, so that a
 // band may be wide where the spectrum is steep.
 #pragma once

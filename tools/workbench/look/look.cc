@@ -65,7 +65,10 @@ json values_json(const measurement::Assessment& assessment, const std::string& e
 class Looker {
  public:
   Looker(const AnalysisFlags& flags, std::filesystem::path out)
-      : flags_(flags), out_(std::move(out)), model_(read_model(flags.model)) {}
+      : flags_(flags),
+        out_(std::move(out)),
+        model_(read_model(flags.model)),
+        set_(open_set(flags)) {}
 
   void run() {
     problem_ = open_problem(flags_);
@@ -112,15 +115,14 @@ class Looker {
     }
     const Problem& all = whole_ ? *whole_ : *problem_;
     table_.emplace(all, *problem_);
-    const measurement::MeasurementSet set = open_set(flags_);
-    const measurement::DataColumns data = measurement::data_columns(all, set);
+    const measurement::DataColumns data = measurement::data_columns(all, set_);
     write("rows.bin",
           whole_ ? table_->rows(whole_->residual_view(fitted, whole_->all_groups()), view, data)
                  : table_->rows(view, view, data));
-    write_whole("frames.bin", measured_frames(*problem_, set));
-    write_whole("predicted.bin", predicted_frames(*problem_, set, fitted));
+    write_whole("frames.bin", measured_frames(*problem_, set_));
+    write_whole("predicted.bin", predicted_frames(*problem_, set_, fitted));
     json plots = json::object();
-    append_data_pictures(*problem_, set, view, nullptr, plots);
+    append_data_pictures(*problem_, set_, view, nullptr, plots);
     write("data.json", plots.dump());
   }
 
@@ -154,8 +156,7 @@ class Looker {
   void preview(const std::string& how, const std::string& effect, const measurement::Model& model,
                json head) {
     const auto view = problem_->residual_view(model, problem_->all_groups());
-    write_whole("predicted-" + effect + ".bin",
-                predicted_frames(*problem_, open_set(flags_), model));
+    write_whole("predicted-" + effect + ".bin", predicted_frames(*problem_, set_, model));
     write(how + effect + ".bin", table_->residuals(view, std::move(head)));
     const std::lock_guard lock(mutex_);
     say({{"event", "preview"}, {"effect", effect}});
@@ -240,6 +241,7 @@ class Looker {
   const AnalysisFlags& flags_;
   const std::filesystem::path out_;
   const measurement::Model model_;
+  const measurement::MeasurementSet set_;
   std::unique_ptr<Problem> problem_, whole_;
   std::optional<RowTable> table_;
   measurement::Doubts doubts_;
