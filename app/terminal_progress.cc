@@ -29,6 +29,19 @@ std::string duration_text(double seconds) {
   return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
 }
 
+std::string progress_text(const WorkTally::Seen& seen, double total_s, double part_s) {
+  std::string line = fmt::format("{} {}", duration_text(total_s), shown(seen.label));
+  if (!seen.part.empty()) {
+    const char* at_most = seen.at_most ? "at most " : "";
+    line += fmt::format(": {} {} of {}{}", seen.part, seen.done, at_most, seen.of);
+    const auto left = static_cast<double>(seen.of - std::min(seen.of, seen.done));
+    if (seen.done > 0 && part_s > 1)
+      line += fmt::format(", {}{} left", seen.at_most ? at_most : "about ",
+                          duration_text(part_s / static_cast<double>(seen.done) * left));
+  }
+  return line + fmt::format(" ({} steps of fits)", seen.steps);
+}
+
 TerminalProgress::TerminalProgress() : terminal_(isatty(STDERR_FILENO) != 0) {
   if (!terminal_) return;
   watch_work(&tally_);
@@ -62,20 +75,9 @@ void TerminalProgress::show() {
   const WorkTally::Seen seen = tally_.seen();
   const Clock::time_point now = Clock::now();
   if (seen.number != part_) part_ = seen.number, part_start_ = now;
-  std::string line =
-      fmt::format("{}{} {}", kClear, duration_text(seconds(now - start_)), shown(seen.label));
-  if (!seen.part.empty()) {
-    line += fmt::format(": {} {} of {}{}", seen.part, seen.done, seen.at_most ? "at most " : "",
-                        seen.of);
-    const double spent = seconds(now - part_start_);
-    if (seen.done > 0 && spent > 1)
-      line +=
-          fmt::format(", {}{} left", seen.at_most ? "at most " : "about ",
-                      duration_text(spent / static_cast<double>(seen.done) *
-                                    static_cast<double>(seen.of - std::min(seen.of, seen.done))));
-  }
-  line += fmt::format(" ({} steps of fits)", seen.steps);
-  std::fputs(line.c_str(), stderr);
+  std::fputs(
+      (kClear + progress_text(seen, seconds(now - start_), seconds(now - part_start_))).c_str(),
+      stderr);
   std::fflush(stderr);
 }
 

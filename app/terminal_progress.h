@@ -15,6 +15,11 @@ namespace seam::app {
 // "1 h 05 min", "3 min 20 s", "12 s".
 std::string duration_text(double seconds);
 
+// "12 s step 2: trying effects: candidates 3 of at most 9, at most 8 s left (40 steps of fits)",
+// total_s after the start of all and part_s after that of the part. Time left is estimated from a
+// second of the part on.
+std::string progress_text(const WorkTally::Seen& seen, double total_s, double part_s);
+
 class TerminalProgress {
  public:
   TerminalProgress();

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""At a terminal a line shows what is done, of how many, and the time left; elsewhere there is none: progress_test.py SEAM."""
+"""At a terminal a line shows what is done, of how many; elsewhere there is none: progress_test.py SEAM."""
 import os
 import pathlib
 import pty
@@ -54,13 +54,12 @@ def main():
             "diagnose": [seam, "diagnose", *files, "--suggest", folder / "formula.yaml"],
         }
         for which, command in commands.items():
-            started = time.monotonic()
             told, longest = watched(command)
-            lasted = time.monotonic() - started
             assert longest < MOST_SILENCE_S, f"{which}: silent for {longest:.1f} s"
-            # A fast machine may be done before a part of the search has counts to show.
-            if lasted > MOST_SILENCE_S:
-                assert re.search(r"\d+ of (at most )?\d+, (about|at most) .* left", told), f"{which} names no counts: {told!r}"
+            # A line is shown each second. What is counted then, and whether time left can be estimated, depends on the
+            # machine: progress_text has tests of its own.
+            for line in filter(None, told.replace("\r\x1b[K", "\n").splitlines()):
+                assert re.fullmatch(r"(\d+ min )?\d+ s .+ \(\d+ steps of fits\)", line), f"{which}: {line!r}"
             assert told.endswith("\r\x1b[K"), f"{which}: the last line stays: {told[-80:]!r}"
         # Each command that fits has the line, long or short as it may be.
         for which in ("compare", "add", "fit"):
