@@ -154,6 +154,37 @@ class Saved(_OfTheRoom):
             self.assertEqual((again.status, again.json["revision"]), (409, state["revision"]))
             self.assertEqual(page.state["current"], "002")
 
+    def test_no_step_in_the_midst_of_a_step(self):
+        with self.page() as page:
+            page.table("rows?version=001")
+            revision = page.state["revision"]
+            answers = []
+            adding = threading.Thread(target=lambda: answers.append(
+                page.ask("add", {"revision": revision, "effect": "rolling_shutter"})))
+            adding.start()
+            while adding.is_alive():
+                answers.append(page.ask("leave-out", {"revision": revision, "ranges": [[0, 5]], "reason": "pushed"}))
+            adding.join()
+            self.assertEqual([answer.status for answer in answers].count(200), 1, [a.content for a in answers])
+            state = page.state
+            self.assertEqual([one["id"] for one in state["versions"]], ["001", "002"])
+            self.assertEqual(state["revision"], revision + 1)
+        twice = json.loads((self.session / "session.json").read_text())
+        twice["versions"].append(twice["versions"][1])
+        (self.session / "session.json").write_text(json.dumps(twice))
+        with self.assertRaisesRegex(AssertionError, "versions: two are 002"):
+            with self.page():
+                pass
+
+    def test_another_set_is_opened_while_one_is_looked_at(self):
+        other = shutil.copytree(self.data, self.folder / "other")
+        with self.page(self.data, other) as page:
+            for folder in (other, self.data, other):
+                self.assertEqual(page.ask("open", {"path": str(folder)}).status, 200)
+                page.until(lambda: page.version("001")["looked"] in ("running", "yes"))
+            page.table("rows?version=001")
+            self.assertNotIn("cancelled", page.ask("search?version=001").json)
+
 
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

@@ -14,9 +14,9 @@ using nlohmann::json;
 
 Desk::Desk()
     : looking_(std::make_unique<Looking>(
-          [this](const std::string& version, const json& event) { said(version, event); },
-          [this](const std::string& version, const std::string& trouble, bool cancelled) {
-            ended(version, trouble, cancelled);
+          [this](const LookJob& job, const json& event) { said(job, event); },
+          [this](const LookJob& job, const std::string& trouble, bool cancelled) {
+            ended(job, trouble, cancelled);
           })) {}
 
 void Desk::open(const fs::path& data, const fs::path& session) {
@@ -26,6 +26,8 @@ void Desk::open(const fs::path& data, const fs::path& session) {
   {
     const std::lock_guard lock(mutex_);
     session_ = std::make_unique<Session>(session, data);
+    ++opened_;
+    job_ = nullptr;
     looked_.clear();
     lines_.clear();
     for (const Version& version : session_->state().versions) {
@@ -95,7 +97,7 @@ json Desk::version_json(const Version& version) const {
                  {"noise", json::object()},
                  {"left_out", left_out}};
   const auto found = looked_.find(version.id);
-  const bool running = looking_->running() == version.id;
+  const bool running = looking_->runs(opened_, version.id);
   const Looked none;
   const Looked& looked = found == looked_.end() ? none : found->second;
   fields["looked"] = running                                         ? "running"
@@ -249,10 +251,15 @@ json Desk::line(int64_t row) {
           {"cells", cells(text)}};
 }
 
-void Desk::said(const std::string& version, const json& event) {
+bool Desk::is_open(uint64_t opened, const std::string& version) const {
+  return session_ && opened == opened_ && session_->state().find(version) != nullptr;
+}
+
+void Desk::said(const LookJob& job, const json& event) {
+  const std::string& version = job.version;
   const std::string what = event.value("event", "");
   const std::lock_guard lock(mutex_);
-  if (!session_ || !session_->state().find(version)) return;
+  if (!is_open(job.opened, version)) return;
   if (event.contains("done")) {
     job_ = {{"what", event.value("what", "")},
             {"done", event.value("done", 0)},
@@ -276,10 +283,11 @@ void Desk::said(const std::string& version, const json& event) {
   }
 }
 
-void Desk::ended(const std::string& version, const std::string& trouble, bool cancelled) {
+void Desk::ended(const LookJob& job, const std::string& trouble, bool cancelled) {
+  const std::string& version = job.version;
   const std::lock_guard lock(mutex_);
+  if (!is_open(job.opened, version)) return;
   job_ = nullptr;
-  if (!session_ || !session_->state().find(version)) return;
   Looked& looked = looked_[version];
   looked.read(session_->cache(version));
   looked.trouble = trouble;

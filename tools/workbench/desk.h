@@ -63,6 +63,10 @@ class Desk {
 
  private:
   Session& session();  // Throws Refusal where nothing is open.
+  // Throws Refusal (409) while another change is computed: two would make one version twice.
+  std::unique_lock<std::mutex> only_change();
+  // Whether what was computed is of the session that is open, and of a version that it has.
+  bool is_open(uint64_t opened, const std::string& version) const;
   // Another version is the current one; the step says which, or throws.
   void move(uint64_t revision, const std::function<void(SessionState&)>& step);
   void save(SessionState next);
@@ -73,8 +77,8 @@ class Desk {
   std::vector<int> lines_of(const Ranges& ranges) const;
   void look_at_current();
   void look(const Version& version);
-  void said(const std::string& version, const nlohmann::json& event);
-  void ended(const std::string& version, const std::string& trouble, bool cancelled);
+  void said(const LookJob& job, const nlohmann::json& event);
+  void ended(const LookJob& job, const std::string& trouble, bool cancelled);
   nlohmann::json set_json() const;
   nlohmann::json version_json(const Version& version) const;
   nlohmann::json state_unlocked() const;
@@ -83,6 +87,7 @@ class Desk {
   mutable std::mutex mutex_;
   std::mutex changing_;  // One change at a time, which may take long.
   std::unique_ptr<Session> session_;
+  uint64_t opened_ = 0;  // How many sessions were: versions of two may have one name.
   std::map<std::string, Looked> looked_;
   mutable std::vector<int> lines_;  // Of all rows of the set; empty: not known yet.
   nlohmann::json set_;              // What is known of it before any look.

@@ -60,6 +60,12 @@ Version same_model(const SessionState& state, const std::string& name) {
 
 }  // namespace
 
+std::unique_lock<std::mutex> Desk::only_change() {
+  std::unique_lock change(changing_, std::try_to_lock);
+  if (!change) throw Refusal(409, "another change is being computed: wait for it, or cancel it");
+  return change;
+}
+
 void Desk::save(SessionState next) {
   session_->save(std::move(next));
   events_.publish("state", state_unlocked());
@@ -83,7 +89,8 @@ std::vector<std::string> Desk::of_current() {
 void Desk::look(const Version& version) {
   const std::string folder = "cache/" + version.id;
   const fs::path cache = session_->cache(version.id);
-  LookJob job{.version = version.id, .folder = session_->folder(), .commands = {}};
+  LookJob job{
+      .opened = opened_, .version = version.id, .folder = session_->folder(), .commands = {}};
   if (!version.left_out.empty())
     write_file_atomically(cache / "left-out.csv", left_out_table(version.left_out));
   const std::vector<std::string> about_it = about(version, folder + "/left-out.csv");
@@ -116,8 +123,7 @@ void Desk::look_at_current() {
 // A new version behind the current one, made by a command that ends with `--out`. `before` is
 // written to effects/ID.yaml first, where it is not empty.
 void Desk::make(uint64_t revision, Version version, std::vector<std::string> command) {
-  const std::unique_lock change(changing_, std::try_to_lock);
-  if (!change) throw Refusal(409, "another change is being computed: wait for it, or cancel it");
+  const auto change = only_change();
   fs::path folder;
   {
     const std::lock_guard lock(mutex_);
@@ -188,6 +194,7 @@ void Desk::refit(uint64_t revision) {
 }
 
 void Desk::move(uint64_t revision, const std::function<void(SessionState&)>& step) {
+  const auto change = only_change();
   {
     const std::lock_guard lock(mutex_);
     session().expect(revision);
@@ -250,6 +257,7 @@ std::vector<int> Desk::lines_of(const Ranges& ranges) const {
 
 void Desk::leave_out(uint64_t revision, const Ranges& ranges, const std::string& reason) {
   if (reason.size() > kMostNote) throw UsageError("reason: is too long");
+  const auto change = only_change();
   Version version;
   {
     const std::lock_guard lock(mutex_);
@@ -271,6 +279,7 @@ void Desk::leave_out(uint64_t revision, const Ranges& ranges, const std::string&
 }
 
 void Desk::take_back(uint64_t revision, const Ranges& ranges) {
+  const auto change = only_change();
   Version version;
   {
     const std::lock_guard lock(mutex_);
@@ -296,8 +305,7 @@ void Desk::cancel() {
 
 void Desk::prepare(const std::string& what, const std::vector<std::string>& command,
                    const fs::path& folder) {
-  const std::unique_lock change(changing_, std::try_to_lock);
-  if (!change) throw Refusal(409, "another change is being computed: wait for it, or cancel it");
+  const auto change = only_change();
   const auto show = [&](nlohmann::json job) {
     const std::lock_guard lock(mutex_);
     job_ = std::move(job);
@@ -315,8 +323,7 @@ void Desk::prepare(const std::string& what, const std::vector<std::string>& comm
 }
 
 nlohmann::json Desk::ask(std::vector<std::string> command, const std::string& name) {
-  const std::unique_lock change(changing_, std::try_to_lock);
-  if (!change) throw Refusal(409, "another change is being computed: wait for it, or cancel it");
+  const auto change = only_change();
   fs::path folder;
   {
     const std::lock_guard lock(mutex_);

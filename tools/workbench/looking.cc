@@ -35,9 +35,12 @@ Looking::~Looking() {
 void Looking::want(LookJob job) {
   {
     const std::lock_guard lock(mutex_);
-    if (running_ == job.version || (wanted_ && wanted_->version == job.version)) return;
+    const auto same = [&](const std::optional<LookJob>& other) {
+      return other && other->opened == job.opened && other->version == job.version;
+    };
+    if (same(running_) || same(wanted_)) return;
     wanted_ = std::move(job);
-    if (!running_.empty()) child_.stop();
+    if (running_) child_.stop();
   }
   changed_.notify_all();
 }
@@ -49,9 +52,9 @@ void Looking::cancel() {
   child_.stop();
 }
 
-std::string Looking::running() const {
+bool Looking::runs(uint64_t opened, const std::string& version) const {
   const std::lock_guard lock(mutex_);
-  return running_;
+  return running_ && running_->opened == opened && running_->version == version;
 }
 
 void Looking::run_alone(const std::vector<std::string>& command,
@@ -61,8 +64,8 @@ void Looking::run_alone(const std::vector<std::string>& command,
     if (alone_) throw Refusal(409, "another change is being computed: wait for it, or cancel it");
     alone_ = true;
     wanted_.reset();
-    if (!running_.empty()) child_.stop();
-    changed_.wait(lock, [&] { return running_.empty(); });
+    if (running_) child_.stop();
+    changed_.wait(lock, [&] { return !running_; });
     child_.allow();
   }
   Child::Ended ended;
@@ -91,14 +94,14 @@ void Looking::work() {
       if (ending_) return;
       job = *std::move(wanted_);
       wanted_.reset();
-      running_ = job.version;
+      running_ = job;
       cancelled_ = false;
       child_.allow();
     }
     run(job);
     {
       const std::lock_guard lock(mutex_);
-      running_.clear();
+      running_.reset();
     }
     changed_.notify_all();
   }
@@ -111,7 +114,7 @@ void Looking::run(const LookJob& job) {
     try {
       const Child::Ended ended = child_.run(command, job.folder, [&](std::string_view line) {
         const auto event = nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
-        if (event.is_object()) said_(job.version, event);
+        if (event.is_object()) said_(job, event);
       });
       stopped = ended.stopped;
       if (!stopped && ended.code != 0) trouble = trouble_of(ended);
@@ -125,7 +128,7 @@ void Looking::run(const LookJob& job) {
     const std::lock_guard lock(mutex_);
     cancelled = cancelled_;
   }
-  ended_(job.version, trouble, stopped && cancelled);
+  ended_(job, trouble, stopped && cancelled);
 }
 
 }  // namespace seam::tools

@@ -16,6 +16,7 @@ namespace seam::tools {
 
 // One version to be looked at: commands, one after another, with their folder.
 struct LookJob {
+  uint64_t opened = 0;  // Of which session: versions of two may have one name.
   std::string version;
   std::filesystem::path folder;
   std::vector<std::vector<std::string>> commands;
@@ -24,9 +25,8 @@ struct LookJob {
 class Looking {
  public:
   // What a command said on a line, and how the job ended: "" or what is wrong.
-  using Said = std::function<void(const std::string& version, const nlohmann::json& event)>;
-  using Ended =
-      std::function<void(const std::string& version, const std::string& trouble, bool stopped)>;
+  using Said = std::function<void(const LookJob& job, const nlohmann::json& event)>;
+  using Ended = std::function<void(const LookJob& job, const std::string& trouble, bool stopped)>;
   Looking(Said said, Ended ended);
   ~Looking();
 
@@ -37,8 +37,7 @@ class Looking {
   // Runs one command while no look runs. Throws Refusal where another such runs, or it was
   // cancelled; InputError with its own words where it fails.
   void run_alone(const std::vector<std::string>& command, const std::filesystem::path& folder);
-  // The version that is looked at; empty: none.
-  std::string running() const;
+  bool runs(uint64_t opened, const std::string& version) const;
 
  private:
   void work();
@@ -49,8 +48,7 @@ class Looking {
   Child child_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::optional<LookJob> wanted_;
-  std::string running_;
+  std::optional<LookJob> wanted_, running_;
   bool alone_ = false, cancelled_ = false, ending_ = false;
   std::jthread thread_;
 };

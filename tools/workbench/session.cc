@@ -89,6 +89,11 @@ SessionState session_from(const json& json) {
                      .undone = json.at("undone"),
                      .selection = json.at("selection")};
   for (const auto& version : json.at("versions")) state.versions.push_back(version_from(version));
+  for (size_t i = 0; i < state.versions.size(); ++i) {
+    const std::string& id = state.versions[i].id;
+    if (state.find(id) != &state.versions[i])
+      throw InputError(fmt::format("versions: two are {}, expected each once", id));
+  }
   if (!state.find(state.current)) throw InputError("current: expected one of the versions");
   return state;
 }
