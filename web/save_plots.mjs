@@ -2,7 +2,7 @@
 import { mkdirSync, writeFileSync } from "node:fs";
 import { basename, join } from "node:path";
 import { pathToFileURL } from "node:url";
-import { launch, openPage } from "./tests/browser.mjs";
+import { launch, openPage, until } from "./tests/browser.mjs";
 
 const [report, out] = process.argv.slice(2);
 if (!out) {
@@ -14,7 +14,7 @@ const browser = await launch();
 const { page } = await openPage(browser);
 await page.goto(pathToFileURL(report).href);
 const plots = page.locator("[data-plot]:has([data-drawn=true])");
-await plots.first().waitFor();
+await until(page, () => document.querySelector("[data-drawn]") && !document.querySelector("[data-plot] .plot:not([data-drawn])"));
 for (let i = 0; i < await plots.count(); ++i) {
   const plot = plots.nth(i);
   await plot.hover();

@@ -2,11 +2,12 @@
 // again when that changes; what has thousands of marks is painted on a canvas beneath the axes.
 import * as Plot from "@observablehq/plot";
 import type { ComponentChildren } from "preact";
-import { useEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useRef } from "preact/hooks";
 import { attachBrush, type Box } from "./brush";
 import { isDark, palette } from "./palette";
 import { Rich } from "./rich";
 import { savePlot } from "./save";
+import { forget, inTurn } from "./turns";
 
 /** Where a plot's values lie on its canvas, in CSS pixels; both scales are linear. */
 export interface Frame {
@@ -119,7 +120,7 @@ export function Figure(props: FigureProps) {
     const now = drawn.current;
     if (now?.frame && painting.current) paintUnder(holder.current!, now.frame, now.size, painting.current);
   };
-  useEffect(() => {
+  useLayoutEffect(() => {
     const element = holder.current!;
     let drawnWidth = 0;
     const redraw = () => {
@@ -129,12 +130,19 @@ export function Figure(props: FigureProps) {
       drawn.current = drawInto(element, width, { name, title, sentence, draw, onBrush, onPick });
       repaint();
     };
-    redraw();
-    const observer = new ResizeObserver(redraw);
+    inTurn(drawn, redraw);
+    const observer = new ResizeObserver(() => inTurn(drawn, redraw));
     observer.observe(element);
-    return () => observer.disconnect();
+    return () => {
+      observer.disconnect();
+      forget(drawn);
+    };
   }, [draw, name, dark, onBrush, onPick]);
-  useEffect(repaint, [paint]);
+  useLayoutEffect(() => {
+    if (!drawn.current) return undefined; // The first drawing paints.
+    inTurn(painting, repaint);
+    return () => forget(painting);
+  }, [paint]);
   return (
     <figure class={wide ? "figure wide" : "figure"} data-plot={name}>
       <button type="button" class="save" title="Save this plot as SVG"

@@ -46,6 +46,14 @@ export async function until(page, holds, given = undefined, limit_ms = 30_000) {
   }
 }
 
+/** Until this holds here, outside of the page. */
+export async function within(what, holds, limit_ms = 30_000) {
+  for (const end = Date.now() + limit_ms; !(await holds());) {
+    if (Date.now() > end) throw new Error(`not within ${limit_ms} ms: ${what}`);
+    await new Promise((done) => setTimeout(done, 20));
+  }
+}
+
 /** In the page: each text whose contrast with what is beneath it is less than 4.5:1, or 3:1 where it is large. */
 export function faintTexts() {
   const channels = (colour) => colour.match(/[\d.]+/g).map(Number);
@@ -76,10 +84,20 @@ export function faintTexts() {
   return [...faint];
 }
 
+/** Until the page has drawn what it had to, and nothing moves any more. */
+export const settled = (page) => page.evaluate(async () => {
+  const moves = (one) => one.playState === "running" && one.effect?.getTiming().iterations !== Infinity;
+  for (let still = 0; still < 3;) {
+    await new Promise(requestAnimationFrame);
+    still = document.getAnimations().some(moves) ? 0 : still + 1;
+  }
+});
+
 let axe = "";
 
 /** No faint text, nothing wider than the window, no finding of axe. */
 export async function fits(page, what, colorScheme) {
+  await settled(page);
   const over = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
   assert.ok(over <= 0, `${what}: ${over} px wider than the window`);
   assert.deepEqual(await page.evaluate(faintTexts), [], `${what}: faint texts, ${colorScheme}`);

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
 import { join } from "node:path";
-import { faintTexts, launch, openPage, skip } from "./browser.mjs";
+import { faintTexts, launch, openPage, settled, skip } from "./browser.mjs";
 import { serve } from "./mock_server.mjs";
 
 const [share, real] = process.argv.slice(2);
@@ -49,7 +49,7 @@ async function canvasHash(page, name) {
   });
 }
 
-async function until(what, condition, timeout = 8000) {
+async function until(what, condition, timeout = 30_000) {
   const stop = Date.now() + timeout;
   for (;;) {
     const value = await condition();
@@ -258,7 +258,7 @@ async function lanesOfTheMock(page, url) {
 async function isReadable(page, name) {
   for (const colorScheme of ["dark", "light"]) {
     await page.emulateMedia({ colorScheme });
-    await page.waitForTimeout(200);
+    await settled(page);
     if (colorScheme === "dark") await shot(page, `${name}_dark`);
     assert.deepEqual(await page.evaluate(faintTexts), [], `${name}, ${colorScheme}: faint texts`);
   }
@@ -301,7 +301,7 @@ async function plotsOfTheMock(page, url) {
   if (shots) {
     await page.setViewportSize({ width: 390, height: 844 });
     await page.locator(".chosen").scrollIntoViewIfNeeded();
-    await page.waitForTimeout(500);
+    await settled(page);
     await page.screenshot({ path: join(shots, "viewer_plots_390.png"), fullPage: true });
     await page.setViewportSize({ width: 1280, height: 800 });
   }
@@ -341,7 +341,7 @@ async function compareTwo(browser) {
     (await canvasHash(page, "field a")).hash !== (await canvasHash(page, "field b")).hash);
   await shot(page, "viewer_two_1280");
   await page.setViewportSize({ width: 1920, height: 1080 });
-  await page.waitForTimeout(500);
+  await settled(page);
   await shot(page, "viewer_two_1920");
   await page.getByLabel("Time", { exact: true }).fill("1000");
   await page.keyboard.press("Enter");
@@ -355,7 +355,7 @@ async function compareTwo(browser) {
 /** The whole fits the window: nothing to scroll to, no text cut off at the right. */
 async function fits(page, width, height) {
   await page.setViewportSize({ width, height });
-  await page.waitForTimeout(300);
+  await settled(page);
   const over = await page.evaluate(() => [document.documentElement.scrollWidth - innerWidth,
     document.documentElement.scrollHeight - innerHeight]);
   assert.deepEqual(over.map((n) => Math.max(0, n)), [0, 0], `fits ${width} x ${height}`);

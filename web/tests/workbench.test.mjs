@@ -4,7 +4,7 @@
 import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
 import { join } from "node:path";
-import { fits, launch, openPage, skip, until } from "./browser.mjs";
+import { fits, launch, openPage, settled, skip, until, within } from "./browser.mjs";
 import { MockSession, serve } from "./mock_workbench.mjs";
 
 const share = process.argv[2];
@@ -26,7 +26,7 @@ const toScreen = (page, name) => page.getByRole("navigation").getByRole("button"
 const headline = (page) => page.locator(".head .headline").innerText();
 const error = async (page) => Number(await page.locator(".figure-of-merit b").first().innerText());
 const option = (page, name) => page.locator(`#candidate-${name}`);
-const bandOf = (page) => page.locator(".figures").getAttribute("data-preview");
+const plotsShow = (page, preview) => page.locator(`.figures[data-preview="${preview}"]`).waitFor();
 
 async function lookAtScreens(browser, size, colorScheme) {
   const server = await serve(share);
@@ -37,7 +37,6 @@ async function lookAtScreens(browser, size, colorScheme) {
     if (name === "Session") await page.locator("pre.script").waitFor();
     if (name === "See it") await page.locator(".frames[data-quality=fine]").waitFor();
     if (name === "Formula") await page.locator(".cm-content").waitFor();
-    await page.waitForTimeout(150);
     await fits(page, `${name}, ${size.width} px`, colorScheme);
     if (shots) await page.screenshot({ path: join(shots, `workbench_${name}_${size.width}_${colorScheme}.png`) });
   }
@@ -53,11 +52,11 @@ async function previewAddUndo(page, server) {
   const before = await error(page);
   await option(page, "rolling_shutter").hover();
   await page.locator(".context.previewing[data-how=linear]").waitFor();
-  assert.match(await bandOf(page), /rolling_shutter/);
+  await plotsShow(page, "With rolling_shutter");
   assert.ok(Number(await page.locator(".error-line").getAttribute("data-ghost")) < 1.1, "the error's line has a ghost point");
   await page.keyboard.press("Escape");
   await page.locator(".context:not(.previewing)").waitFor();
-  assert.equal(await bandOf(page), "", "Escape restores");
+  await plotsShow(page, ""); // Escape restores.
   await page.mouse.move(700, 20);
   await option(page, "rolling_shutter").click();
   await page.locator(".context.previewing").getByRole("button", { name: /Add/ }).click();
@@ -89,17 +88,17 @@ async function ties(page) {
 async function chooseAndLeaveOut(page, server) {
   const plot = page.locator('[data-plot="residual against covariate"] svg');
   // A plot is drawn anew when the rows of another version come.
-  await page.waitForTimeout(500);
+  await page.locator(`.figures[data-version="${server.session.current}"]`).waitFor();
   await page.evaluate(() => scrollTo(0, 0));
+  await settled(page);
   await plot.waitFor();
   const box = await plot.boundingBox();
   await page.mouse.move(box.x + box.width * 0.4, box.y + box.height * 0.2);
   await page.mouse.down();
   await page.mouse.move(box.x + box.width * 0.8, box.y + box.height * 0.75, { steps: 4 });
   await page.mouse.up();
-  await page.getByRole("heading", { name: /rows chosen/ }).waitFor({ timeout: 5000 });
-  await page.waitForTimeout(400);
-  assert.ok(server.session.selection.length > 0, "the server keeps the selection");
+  await page.getByRole("heading", { name: /rows chosen/ }).waitFor();
+  await within("the server keeps the selection", () => server.session.selection.length > 0);
   // By the keyboard: a rule, a reason, Enter.
   await page.getByLabel("Choose rows by a rule").selectOption("10");
   await page.getByRole("button", { name: "Leave out …" }).click();
@@ -124,7 +123,7 @@ async function formulaAndSession(page, server) {
   await toScreen(page, "Session");
   await page.getByLabel(/^Note on version 1$/).fill("as the data sheet has it");
   await page.locator("h1").click();
-  await until(page, () => document.querySelector(".saved").textContent === "saved");
+  await within("the note is saved", () => server.session.find("1").note !== "");
   await page.reload();
   await page.locator("pre.script").waitFor();
   assert.equal(await page.getByLabel(/^Note on version 1$/).inputValue(), "as the data sheet has it", "a reload loses nothing");

@@ -5,7 +5,7 @@ import { spawn, spawnSync } from "node:child_process";
 import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { fits, launch, openPage, skip, until } from "./browser.mjs";
+import { fits, launch, openPage, skip, until, within } from "./browser.mjs";
 import { makeRoom, samples, titles } from "./made_sets.mjs";
 
 const [share, seam, source] = process.argv.slice(2);
@@ -47,6 +47,8 @@ async function shows(page, id) {
     document.querySelector("[data-drawn=true]") !== null, id, limit_ms);
 }
 
+const plotsShow = (page, preview) => page.locator(`.figures[data-preview="${preview}"]`).waitFor({ timeout: limit_ms });
+
 /** Points at a candidate as the size of the page wants it, until its residuals are in the plots. */
 async function preview(page, name) {
   await option(page, name).waitFor({ state: "attached", timeout: limit_ms });
@@ -54,7 +56,7 @@ async function preview(page, name) {
   if (narrow) await page.getByRole("button", { name: /Structure and candidates/ }).click();
   await option(page, name).click();
   await page.locator(`.context.previewing[data-preview="${name}"]:is([data-how=fit], [data-how=linear])`).waitFor({ timeout: limit_ms });
-  assert.equal(await page.locator(".figures").getAttribute("data-preview"), `With ${name}`);
+  await plotsShow(page, `With ${name}`);
 }
 
 const add = (page) => page.locator(".context.previewing").getByRole("button", { name: /Add/ }).click();
@@ -120,7 +122,7 @@ async function exportAndReload(page, session) {
   await toScreen(page, "Session");
   await page.getByLabel("Note on version 004").fill("for the paper");
   await page.locator("h1").click();
-  await until(page, () => document.querySelector(".saved").textContent === "saved");
+  await within("the note is saved", () => saved(session).versions[3].note !== "", limit_ms);
   const kept = saved(session);
   assert.deepEqual(await downloaded(page, "Model"), readFileSync(join(session, "versions/004.yaml")));
   await page.reload();
@@ -135,8 +137,9 @@ async function exportAndReload(page, session) {
 async function repeat(page, session) {
   await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
   await page.getByRole("button", { name: "Copy as script" }).click();
-  await page.getByText("The script is in the clipboard.").waitFor();
-  writeFileSync(`${session}.sh`, await page.evaluate(() => navigator.clipboard.readText()));
+  const clipboard = () => page.evaluate(() => navigator.clipboard.readText());
+  await within("the script is in the clipboard", async () => (await clipboard()).startsWith("#!/bin/sh"), limit_ms);
+  writeFileSync(`${session}.sh`, await clipboard());
   const again = `${session}-again`;
   run("sh", [`${session}.sh`, again], { SEAM: seam });
   const models = readdirSync(join(session, "versions")).sort();
@@ -185,7 +188,7 @@ async function inShort(page, name) {
     `candidate-${samples[name]}`);
   for (let i = 0; i <= at; ++i) await page.keyboard.press("ArrowDown");
   await page.locator(`.context.previewing[data-preview="${samples[name]}"]:is([data-how=fit], [data-how=linear])`).waitFor({ state: "attached" });
-  assert.equal(await page.locator(".figures").getAttribute("data-preview"), `With ${samples[name]}`);
+  await plotsShow(page, `With ${samples[name]}`);
   await shot(page, name);
   await page.keyboard.press("Enter");
   await shows(page, "002");
@@ -193,7 +196,6 @@ async function inShort(page, name) {
   assert.ok(first > 1.2 && second < 0.7 * first, `${name}: the error goes from ${first} to ${second}`);
   for (const colorScheme of ["light", "dark"]) {
     await page.emulateMedia({ colorScheme, reducedMotion: "reduce" });
-    await page.waitForTimeout(300);
     await fits(page, `${name}, ${page.viewportSize().width} px`, colorScheme);
     await shot(page, `${name}_${colorScheme}`);
   }

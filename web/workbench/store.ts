@@ -68,7 +68,7 @@ export const preview = computed<Preview | null>(() => {
 export const view = computed<View | null>(() => {
   const now = loaded.value, shown = preview.value;
   if (!now || !version.value) return null;
-  return { rows: now.rows, before: now.residuals, noise: version.value.noise, image: session.value?.set?.image,
+  return { version: now.version, rows: now.rows, before: now.residuals, noise: version.value.noise, image: session.value?.set?.image,
     ...(shown?.residuals ? { after: shown.residuals, with: `With ${shown.effect}` } : {}) };
 });
 

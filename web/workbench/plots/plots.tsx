@@ -1,4 +1,7 @@
 // The plots that fit the kind of measurement, all of the same rows: what is chosen in one is marked in all.
+import type { ComponentChildren } from "preact";
+import { useLayoutEffect, useMemo, useRef, useState } from "preact/hooks";
+import { afterTurns, forget, inTurn } from "../../shared/turns";
 import { look, lookAt, session, view } from "../store";
 import { ArrowPlot } from "./arrows";
 import { CovariatePlot } from "./covariate";
@@ -34,23 +37,62 @@ function ofKind(now: View) {
   return null;
 }
 
-export function Plots() {
-  const now = view.value!, item = look.value;
-  if (session.value?.set?.kind === "frames") return <div class="figures" data-preview={now.with ?? ""}><FramePlots view={now} /></div>;
-  if (!item || !now.before.r.has(item.residual) || !now.rows.has(item.covariate)) return null;
-  const axes = axesOf(now, item.covariate);
-  const inImage = now.before.r.has("u_px") && now.rows.has("u_px");
+interface Shown {
+  view: View;
+  item: NonNullable<typeof look.value>;
+}
+
+/** One plot, which follows what is shown when its turn comes: all at once would stall the page. */
+function Turn({ shown, plot }: { shown: Shown; plot: (of: Shown) => ComponentChildren }) {
+  const [now, follow] = useState<Shown | null>(null);
+  const self = useRef(null);
+  useLayoutEffect(() => {
+    inTurn(self, () => follow(shown));
+    return () => forget(self);
+  }, [shown]);
+  return <>{now && plot(now)}</>;
+}
+
+function covariatePlot({ view: now, item }: Shown) {
   const covariates = [...new Set([...now.rows.names.filter((name) => !ids.includes(name)), item.covariate])];
   return (
-    <div class="figures" data-preview={now.with ?? ""}>
-      <CovariatePlot view={now} residual={item.residual} covariate={item.covariate} moment={item.moment}
-        residuals={[...shownOf(now).r.keys()]} covariates={covariates}
-        onChoose={(residual, covariate) => lookAt({ residual, covariate, moment: "mean" })} />
-      {inImage && <ArrowPlot view={now} />}
-      {ofKind(now)}
-      {axes && <MapPlot view={now} residual={item.residual} x={axes[0]} y={axes[1]} />}
-      <SpreadPlot view={now} residual={item.residual} />
-      <GroupPlot view={now} name={session.value?.set?.group || "group"} labels={now.rows.words.names?.group} />
-    </div>
+    <CovariatePlot view={now} residual={item.residual} covariate={item.covariate} moment={item.moment}
+      residuals={[...shownOf(now).r.keys()]} covariates={covariates}
+      onChoose={(residual, covariate) => lookAt({ residual, covariate, moment: "mean" })} />
   );
+}
+
+function mapPlot({ view: now, item }: Shown) {
+  const axes = axesOf(now, item.covariate);
+  return axes && <MapPlot view={now} residual={item.residual} x={axes[0]} y={axes[1]} />;
+}
+
+const inImage = ({ view: now }: Shown) => now.before.r.has("u_px") && now.rows.has("u_px");
+
+const all: ((of: Shown) => ComponentChildren)[] = [
+  covariatePlot,
+  (of) => inImage(of) && <ArrowPlot view={of.view} />,
+  (of) => ofKind(of.view),
+  mapPlot,
+  ({ view: now, item }) => <SpreadPlot view={now} residual={item.residual} />,
+  ({ view: now }) => <GroupPlot view={now} name={session.value?.set?.group || "group"} labels={now.rows.words.names?.group} />,
+];
+
+/** What the plots show, once all of them show it. */
+function useDrawn(now: View): { "data-version": string; "data-preview": string } {
+  const [drawn, setDrawn] = useState<View | null>(null);
+  const self = useRef(null);
+  useLayoutEffect(() => {
+    afterTurns(self, () => setDrawn(now));
+    return () => forget(self);
+  }, [now]);
+  return { "data-version": drawn?.version ?? "", "data-preview": drawn?.with ?? "" };
+}
+
+export function Plots() {
+  const now = view.value!, item = look.value;
+  const drawn = useDrawn(now);
+  const shown = useMemo(() => (item && now.before.r.has(item.residual) && now.rows.has(item.covariate) ? { view: now, item } : null), [now, item]);
+  if (session.value?.set?.kind === "frames") return <div class="figures" {...drawn}><FramePlots view={now} /></div>;
+  return shown && <div class="figures" {...drawn}>{all.map((plot, i) => <Turn key={i} shown={shown} plot={plot} />)}</div>;
 }

@@ -2,6 +2,7 @@
 import type { Residuals, Rows } from "../rows";
 
 export interface View {
+  version: string;
   rows: Rows;
   before: Residuals;
   after?: Residuals;
