@@ -90,9 +90,9 @@ async function answers() {
 }
 
 /** In the page: points at a candidate; milliseconds until the plots that show it were painted. */
-const pointAt = (id) => new Promise((done) => {
+const pointAt = ([id, x]) => new Promise((done) => {
   const from = performance.now();
-  document.getElementById(id).dispatchEvent(new PointerEvent("pointerenter", { pointerType: "mouse" }));
+  document.getElementById(id).dispatchEvent(new PointerEvent("pointerenter", { pointerType: "mouse", clientX: x }));
   const name = id.replace("candidate-", "");
   const painted = () => requestAnimationFrame(() => requestAnimationFrame(() => {
     const { port1, port2 } = new MessageChannel(); // Behind the effects that the frame began.
@@ -131,7 +131,7 @@ async function hovers(browser, cancelled) {
     await page.locator(".candidates [role=status]", { hasText: "tested" }).waitFor();
     await page.locator('[data-plot="residual against covariate"] [data-drawn=true]').waitFor();
     for (const id of await page.locator("[role=option]").evaluateAll((all) => all.slice(0, 12).map((one) => one.id))) {
-      const took = await page.evaluate(pointAt, id);
+      const took = await page.evaluate(pointAt, [id, pointed.linear.length + pointed.fit.length + 1]);
       const how = await page.locator(".context.previewing").getAttribute("data-how");
       if (how in pointed) pointed[how].push(took);
       await page.keyboard.press("Escape");

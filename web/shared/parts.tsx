@@ -35,7 +35,7 @@ export function Gain({ gain: value, sigma: error }: { gain: number | null | unde
         <line x1={zero} x2={zero} y1="0" y2="16" class="axis" />
         {sigma > 0 && left < right && <line x1={left} x2={right} y1="8" y2="8" class="whisker" />}
       </svg>
-      {percent(value)}
+      {percent(Math.min(1, value))}
     </div>
   );
 }

@@ -78,6 +78,8 @@ export class MockSession {
   constructor(n = 2400) {
     this.world = world(n);
     this.sets = { open: true };
+    this.folder = "/data/points-a";
+    this.seen = 0; // Frames that were asked for.
     this.revision = 1;
     this.versions = [];
     this.past = [];
@@ -119,7 +121,7 @@ export class MockSession {
       versions: this.sets.open ? this.versions.map(({ model: _, ...one }) => one) : [],
       recent: [{ name: "points-a", path: "/data/points-a", kind: "points", title: "Calibration room" }],
       samples: ["points", "joints", "photometry"].map((kind) => ({ name: kind, path: `sample:${kind}`, title: `A sample of ${kind}`, kind })),
-      set: this.sets.open ? { title: "Calibration room seen from a swinging head <img src=x>", kind: "points", folder: "/data/points-a",
+      set: this.sets.open ? { title: "Calibration room seen from a swinging head <img src=x>", kind: "points", folder: this.folder,
         file: "points.csv", rows: this.world.n, groups: this.world.n / perGroup, group: "frame", image, columns,
         noise: { u_px: noise, v_px: noise }, noise_estimated: false,
         doubts: [{ text: "Frame 7 has 20 points within 30 px of the edge: few views constrain the corners.", rows: [[120, 139]] }] } : null };
@@ -203,6 +205,7 @@ function write(session, path, body) {
     case "open":
       if (body.path.includes("nothing")) return refuse(400, "nothing: there is no such folder; give the folder of a measurement set");
       session.sets.open = true;
+      if (body.path.includes("other")) [session.folder, session.world] = ["/data/other", world(3000)];
       break;
     case "upload":
       return { status: 200, body: { import: { dropped: "dropped", kind: "kalibr" } } };
@@ -210,7 +213,9 @@ function write(session, path, body) {
       if (!body.options.map) return refuse(400, "points.csv:17: column u_px: found 'x', expected a number");
       session.sets.open = true;
       break;
-    case "see": return { status: 200, body: seen(body) };
+    case "see":
+      ++session.seen;
+      return { status: 200, body: seen(body) };
     case "formula/check": {
       const at = body.text.indexOf("?");
       return { status: 200, body: at >= 0 ? { ok: false, error: `'?' is no operator`, line: 1, column: at + 1 } : { ok: true, parameters: ["k"] } };

@@ -58,8 +58,8 @@ async function previewAddUndo(page, server) {
   await page.locator(".context:not(.previewing)").waitFor();
   await plotsShow(page, ""); // Escape restores.
   await page.mouse.move(700, 20);
-  await option(page, "rolling_shutter").click();
-  await page.locator(".context.previewing").getByRole("button", { name: /Add/ }).click();
+  await option(page, "rolling_shutter").hover();
+  await page.locator(".context.previewing").getByRole("button", { name: /Add/ }).click(); // The mouse can leave the list for it.
   await until(page, () => document.querySelector(".headline")?.textContent.startsWith("Adequate"));
   assert.ok(await error(page) < 1.1);
   assert.match(await page.locator(".command code").innerText(), /^seam add rolling_shutter /);
@@ -220,7 +220,32 @@ async function otherStates(browser) {
   await page.getByLabel("Folder of a measurement set").fill("nothing");
   await page.getByRole("button", { name: "Open", exact: true }).click();
   await page.getByText("nothing: there is no such folder").waitFor();
+  assert.equal(await page.locator(".saved").innerText(), "saved", "the session that is open stays as it is saved");
   await importFiles(page);
+  await page.close();
+  server.close();
+}
+
+/** Versions of two sets have the same names: nothing of one is shown beside the other. */
+async function anotherSet(browser) {
+  const server = await serve(share);
+  const { page, errors } = await opened(browser, server, wide);
+  await option(page, "rolling_shutter").hover();
+  await plotsShow(page, "With rolling_shutter");
+  await toScreen(page, "See it");
+  await page.locator(".frames[data-quality=fine]").waitFor();
+  await page.locator(".brand").click();
+  await page.getByLabel("Folder of a measurement set").fill("other");
+  await page.getByRole("button", { name: "Open", exact: true }).click();
+  await page.locator('[data-plot="arrows in the image"] figcaption', { hasText: "of 3000 points" }).waitFor();
+  await plotsShow(page, "");
+  await option(page, "rolling_shutter").hover();
+  await plotsShow(page, "With rolling_shutter");
+  const asked = server.session.seen;
+  await toScreen(page, "See it");
+  await page.locator(".frames[data-quality=fine]").waitFor();
+  assert.ok(server.session.seen > asked, "a frame of this set's camera is asked for");
+  assert.deepEqual(errors, [], "console");
   await page.close();
   server.close();
 }
@@ -264,6 +289,7 @@ try {
   await byKeyboard(browser);
   await onTelephone(browser);
   await otherStates(browser);
+  await anotherSet(browser);
   await speed(browser, 8000, 1500);
   await speed(browser, 100000, 5000);
 } finally {

@@ -10,10 +10,14 @@ import type { Range } from "./selection";
 export class Stale extends Error {}
 
 export class Refusal extends Error {
-  constructor(message: string, readonly details: { file?: string; line?: number; column?: number }) {
+  constructor(message: string, readonly status: number) {
     super(message);
   }
 }
+
+/** Whether a step may not be in the session's folder: the disk took it not, or there was no answer. */
+export const isUnsaved = (error: unknown): boolean => !(error instanceof Refusal || error instanceof Stale) ||
+  (error instanceof Refusal && error.status === 507);
 
 async function ask(path: string, options: RequestInit = {}): Promise<Response> {
   let response: Response;
@@ -25,7 +29,7 @@ async function ask(path: string, options: RequestInit = {}): Promise<Response> {
   if (response.ok) return response;
   const body = (await response.json().catch(() => ({}))) as { error?: string };
   const text = body.error ?? `The server answered ${response.status}.`;
-  throw response.status === 409 && "revision" in body ? new Stale(text) : new Refusal(text, body as Refusal["details"]);
+  throw response.status === 409 && "revision" in body ? new Stale(text) : new Refusal(text, response.status);
 }
 
 const json = async <T>(path: string, options?: RequestInit): Promise<T> => (await ask(path, options)).json() as Promise<T>;
@@ -120,7 +124,7 @@ export async function preview(version: string, effect: string, n: number): Promi
 
 interface WireSearch {
   candidates: Search["candidates"]; prospects?: Search["prospects"]; suggestion?: Search["suggestion"]; ties: Search["ties"]; not_testable: Search["notTestable"]; progress: Search["progress"];
-  advice: string; version?: string | number; cancelled?: boolean; trouble?: string;
+  advice: string; ordered_by?: string; version?: string | number; cancelled?: boolean; trouble?: string;
 }
 
 const searchOf = ({ not_testable, prospects, ...same }: WireSearch): Search =>

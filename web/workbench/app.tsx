@@ -7,7 +7,7 @@ import { PlanScreen } from "./plan";
 import { SeeScreen } from "./see";
 import { SessionScreen } from "./tree";
 import { WorkScreen } from "./work";
-import { busy, connected, notice, problem, redo, refused, restore, saved, say, screen, screens, session, undo } from "./store";
+import { addEffect, busy, connected, notice, pointed, problem, redo, refused, restore, saved, say, screen, screens, session, undo } from "./store";
 
 /** Keys that hold on every screen; fields keep theirs. */
 function useKeys(): void {
@@ -16,6 +16,9 @@ function useKeys(): void {
       const typing = (event.target as HTMLElement).closest?.("input, textarea, select, .cm-editor");
       if (event.key === "Escape") restore();
       else if (typing) return;
+      else if (event.key === "Enter" && event.target === document.body && screen.value === "work" && pointed.value && !busy.value) {
+        void addEffect(pointed.value);
+      }
       else if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z") {
         event.preventDefault();
         void (event.shiftKey ? redo() : undo());

@@ -56,6 +56,17 @@ export function binned(rows: Rows, covariate: string, r: Numbers, s: Numbers): B
   return bins.filter((bin) => bin.n > 0);
 }
 
+export function rms(values: Numbers): number | null {
+  let squares = 0, n = 0;
+  for (let i = 0; i < values.length; ++i) {
+    const square = values[i] * values[i];
+    if (!(square - square === 0)) continue;
+    squares += square;
+    ++n;
+  }
+  return n ? Math.sqrt(squares / n) : null;
+}
+
 export const reach = 5;
 const width = 0.25;
 export const histogramBins = (2 * reach) / width;

@@ -8,7 +8,7 @@ import { Rich } from "../shared/rich";
 import { asValue, type Candidate, type Parameters } from "../shared/types";
 import { edit } from "./formula";
 import type { Search, Suggestion, Tie } from "./model";
-import { addEffect, point, pointed, restore, searched, sheetOpen, stopSearch, version } from "./store";
+import { addEffect, leaveList, point, pointed, searched, sheetOpen, stopSearch, version } from "./store";
 
 const allShown = signal(false);
 
@@ -57,10 +57,12 @@ export function Candidates() {
         <h2>Candidates</h2>
         <Progress search={search} />
       </header>
-      {search.trouble && <p class="trouble" role="alert">{search.trouble}</p>}
-      <p class="hint">Ordered by the log-likelihood of held-out groups. Point to preview, Enter adds.</p>
+      {search.trouble && !version.value?.trouble && <p class="trouble" role="alert">{search.trouble}</p>}
+      <p class="hint" title={search.ordered_by}>Ordered by likelihood, less a price for each parameter; % of the misfit beyond the noise
+        that goes. Point to preview, Enter adds.</p>
       <List blocks={[...blocksOf(strong, search.ties), ...(allShown.value ? blocksOf(weak, search.ties) : [])]}
-        strong={strong.length} done={search.progress === null} />
+        strong={strong.length} none={hasEnded(search) ? "No effect of the catalogue brings a gain that noise would not."
+          : all.length > 0 ? "None so far brings a gain that noise would not." : "None is tested yet."} />
       {search.suggestion && <Formula found={search.suggestion} />}
       {weak.length > 0 && (
         <button type="button" class="link" aria-expanded={allShown.value} onClick={() => (allShown.value = !allShown.value)}>
@@ -72,11 +74,15 @@ export function Candidates() {
   );
 }
 
+/** Whether nothing more will come: the verdict is there, or there will be none. */
+const hasEnded = (search: Search) => search.progress === null &&
+  (Boolean(search.cancelled || search.trouble) || (version.value?.looked ?? "yes") === "yes");
+
 function Progress({ search }: { search: Search }) {
-  if (!search.progress) {
+  if (hasEnded(search)) {
     return <span class="quiet num" role="status">{search.candidates.length} tested{search.cancelled && ", then cancelled"}</span>;
   }
-  const { done, of } = search.progress;
+  const { done, of } = search.progress ?? { done: 0, of: 0 };
   return (
     <span class="progress num" role="status">
       <progress max={of || 1} value={of ? done : undefined} aria-label="Candidates tested" />
@@ -99,14 +105,15 @@ function Formula({ found }: { found: Suggestion }) {
   );
 }
 
+/** Where the mouse was in the list. */
+let mouseAt = "";
+
 const idOf = (effect: string) => `candidate-${effect.replace(/[^a-z0-9_]/gi, "-")}`;
 
-function List({ blocks, strong, done }: { blocks: Block[]; strong: number; done: boolean }) {
+function List({ blocks, strong, none }: { blocks: Block[]; strong: number; none: string }) {
   const list = useRef<HTMLDivElement>(null);
   const all = blocks.flatMap((block) => block.items);
-  if (all.length === 0) {
-    return <p class="empty">{done ? "No effect of the catalogue brings a gain that noise would not." : "None so far brings a gain that noise would not."}</p>;
-  }
+  if (all.length === 0) return <p class="empty">{none}</p>;
   const now = pointed.value;
   const step = (by: number) => {
     const at = all.findIndex((c) => c.effect === now);
@@ -127,7 +134,10 @@ function List({ blocks, strong, done }: { blocks: Block[]; strong: number; done:
   return (
     <div class="list" role="listbox" aria-label="Candidates" tabIndex={0} ref={list} onKeyDown={onKey}
       aria-activedescendant={now && all.some((c) => c.effect === now) ? idOf(now) : undefined}
-      onPointerLeave={(e) => e.pointerType === "mouse" && restore(false)}>
+      onPointerLeave={(e) => {
+        mouseAt = "";
+        if (e.pointerType === "mouse") leaveList();
+      }}>
       {blocks.map((block, i) => (block.tie
         ? <div key={`tie ${i}`} class="bracket" role="group" aria-label="Not separated by these data">
           {block.items.map((c) => <Option key={c.effect} candidate={c} />)}
@@ -138,12 +148,19 @@ function List({ blocks, strong, done }: { blocks: Block[]; strong: number; done:
   );
 }
 
+/** A list that is scrolled under a still mouse is pointed at by nobody. */
+function moved({ clientX, clientY }: PointerEvent): boolean {
+  const was = mouseAt;
+  mouseAt = `${clientX} ${clientY}`;
+  return mouseAt !== was;
+}
+
 function Option({ candidate: c, weak = false }: { candidate: Candidate; weak?: boolean }) {
   const chosen = pointed.value === c.effect;
   const waits = c.rank === undefined;
   return (
     <div id={idOf(c.effect)} role="option" aria-selected={chosen} class={`option${weak ? " weak" : ""}`}
-      onPointerEnter={(e) => e.pointerType === "mouse" && point(c.effect, false)}
+      onPointerEnter={(e) => e.pointerType === "mouse" && moved(e) && point(c.effect, false)}
       onClick={() => {
         point(c.effect, true);
         sheetOpen.value = false;

@@ -1,5 +1,5 @@
 // The data themselves: columns with units and spans, what the check doubts, the raw values by row.
-import { count, number } from "../shared/format";
+import { count, number, splitUnit, words } from "../shared/format";
 import { Rich } from "../shared/rich";
 import { DataTable } from "../shared/table";
 import { RawPlot } from "./plots/raw";
@@ -17,6 +17,8 @@ export function DataScreen() {
       <p class="lead">{set.kind} · <span class="num">{count(set.rows)}</span> rows in <span class="num">{count(set.groups)}</span> groups
         ({set.group}) · <code>{set.folder}</code></p>
       <Doubts doubts={set.doubts} />
+      <Imported title="What the import could not know" sentences={set.imported?.not_known} />
+      <Imported title="What the import did" sentences={set.imported?.done} />
       <section>
         <h2>Columns</h2>
         <DataTable columns={[{ label: "Column" }, { label: "Unit" }, { label: "From", right: true }, { label: "To", right: true },
@@ -25,7 +27,7 @@ export function DataScreen() {
           column.missing ? count(column.missing) : "none", column.file ? <code>{column.file}</code> : "–"] }))} />
         {Object.keys(set.noise).length > 0 && (
           <p class="quiet">Noise of one observation, {set.noiseEstimated ? "estimated" : "stated"}:{" "}
-            {Object.entries(set.noise).map(([name, value]) => `${name} ${number(value)}`).join(", ")}.</p>
+            {Object.entries(set.noise).map(([name, value]) => { const { name: short, unit } = splitUnit(name); return `${words(short)} ${number(value)} ${unit}`; }).join(", ")}.</p>
         )}
       </section>
       <section>
@@ -37,6 +39,16 @@ export function DataScreen() {
         {view.value ? <RowList rows={view.value.rows} /> : <p class="empty" role="status">Reading the rows …</p>}
       </section>
     </div>
+  );
+}
+
+function Imported({ title, sentences }: { title: string; sentences?: string[] }) {
+  if (!sentences?.length) return null;
+  return (
+    <section>
+      <h2>{title}</h2>
+      <ul class="doubt-list">{sentences.map((text, i) => <li key={i}>{text}</li>)}</ul>
+    </section>
   );
 }
 

@@ -1,11 +1,16 @@
 // The head of the page of work: the sentence that matters, the error, and how it fell over the versions.
 import * as Plot from "@observablehq/plot";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useMemo, useRef } from "preact/hooks";
 import { nameMarks } from "../shared/figure";
-import { number } from "../shared/format";
+import { number, splitUnit, words } from "../shared/format";
 import { isDark, palette } from "../shared/palette";
+import { ParameterList } from "../shared/parts";
+import { Rich } from "../shared/rich";
+import { DataTable } from "../shared/table";
+import { rms } from "./bins";
 import type { Version } from "./model";
-import { goTo, preview, session, version } from "./store";
+import { shownOf } from "./plots/view";
+import { goTo, preview, screen, session, version, view } from "./store";
 
 const tones: Record<string, string> = { adequate: "good", missing_effect: "bad", unexplained_structure: "open" };
 
@@ -17,25 +22,55 @@ export function Head() {
   const now = version.value;
   const shown = preview.value;
   if (!now) return null;
+  const doubts = session.value?.set?.doubts.length ?? 0;
   return (
     <section class={`head ${tones[now.verdict ?? ""] ?? toneOf(now)}`} aria-label="What matters">
       <div class="says">
-        <p class="headline">{now.headline || "Comparing the model with the measurements …"}</p>
+        <p class="headline">{now.headline || (now.trouble ? "The model could not be compared with the measurements."
+          : "Comparing the model with the measurements …")}</p>
+        {now.trouble && <p class="trouble" role="alert">{now.trouble}</p>}
         {now.doubts.map((doubt, i) => <p key={i} class="doubt">{doubt.trim()}</p>)}
         <p class="quiet small">
-          {session.value?.set?.title} · version {now.id}, {Object.keys(now.effects).length}{" "}
-          {Object.keys(now.effects).length === 1 ? "effect" : "effects"}
+          {session.value?.set?.title} · version {now.id}
           {now.leftOut > 0 && ` · ${now.leftOut} rows left out`}
+          {doubts > 0 && <> · <button type="button" class="link" onClick={() => (screen.value = "data")}>
+            {doubts} {doubts === 1 ? "doubt" : "doubts"} about the data</button></>}
         </p>
+        <Values effects={now.effects} />
       </div>
       <div class="figure-of-merit num" aria-live="polite">
         <b>{number(now.error, 4)}</b>
         {shown?.error != null && <b class="ghost">→ {number(shown.error, 4)}</b>}
         <span class="quiet small">error; 1 is the noise</span>
+        <Sizes />
       </div>
       <ErrorLine />
     </section>
   );
+}
+
+/** What the model has, with the values that were fitted. */
+function Values({ effects }: { effects: Version["effects"] }) {
+  const names = Object.keys(effects);
+  if (names.length === 0) return null;
+  return (
+    <details class="model small">
+      <summary>The model: {names.join(", ")}</summary>
+      <DataTable columns={[{ label: "Effect" }, { label: "Values" }]} rows={names.map((name) => ({ cells: [
+        <code class="effect">{name}</code>, <ParameterList parameters={effects[name]} />] }))} />
+    </details>
+  );
+}
+
+const mostSizes = 3;
+
+/** Root mean square of the residuals in their own units. */
+function Sizes() {
+  const shown = view.value;
+  const text = useMemo(() => shown && shown.before.channels.filter((name) => splitUnit(name).unit).slice(0, mostSizes)
+    .map((name) => { const { name: short, unit } = splitUnit(name); return `${words(short)} ${number(rms(shownOf(shown).r.get(name)!))} ${unit}`; })
+    .join(", "), [shown]);
+  return text ? <span class="quiet small">residuals (rms): <Rich text={text} /></span> : null;
 }
 
 /** From the first version to the one shown, and whatever was made from it. */

@@ -30,6 +30,8 @@ export interface SetInfo {
   noiseEstimated: boolean;
   columns: ColumnInfo[];
   doubts: Doubt[];
+  /** Sentences of the import that made it. */
+  imported?: { done: string[]; not_known: string[] };
 }
 
 export interface Version {
@@ -115,6 +117,7 @@ export interface Search {
   prospects: Candidate[];
   suggestion?: Suggestion;
   ties: Tie[];
+  ordered_by?: string;
   notTestable: { effect: string; parameter?: string; why?: string }[];
   /** Null when the search has ended. */
   progress: { done: number; of: number; what?: string } | null;

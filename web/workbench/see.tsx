@@ -28,7 +28,7 @@ async function readSliders(id: string): Promise<void> {
 
 function show(): void {
   const id = version.value?.id;
-  if (id) want({ before: other(), after: id, changes: changes.value, headRate_radps: headRate.value * Math.PI / 180 });
+  if (id) want({ set: session.value!.set!.folder, before: other(), after: id, changes: changes.value, headRate_radps: headRate.value * Math.PI / 180 });
 }
 
 export function SeeScreen() {

@@ -5,6 +5,8 @@ import * as api from "./api";
 export type Changes = Record<string, Record<string, number>>;
 
 export interface Wanted {
+  /** The folder: versions of two sets may have one name. */
+  set: string;
   before: string;
   after: string;
   changes: Changes;
@@ -31,8 +33,8 @@ let resting: ReturnType<typeof setTimeout> | undefined;
 /** The frame before changes seldom: it is kept by what it shows. */
 const kept = new Map<string, api.SeenFrame>();
 
-async function frame(version: string, changes: Changes, headRate_radps: number, coarse: boolean): Promise<api.SeenFrame> {
-  const key = JSON.stringify([version, changes, headRate_radps, coarse]);
+async function frame(set: string, version: string, changes: Changes, headRate_radps: number, coarse: boolean): Promise<api.SeenFrame> {
+  const key = JSON.stringify([set, version, changes, headRate_radps, coarse]);
   const known = kept.get(key);
   if (known) return known;
   const made = await api.see({ version, changes, head_rate_radps: headRate_radps, coarse });
@@ -44,9 +46,9 @@ async function frame(version: string, changes: Changes, headRate_radps: number, 
 async function make(now: Wanted, coarse: boolean): Promise<void> {
   const from = since_ms;
   try {
-    const before = await frame(now.before, {}, now.headRate_radps, coarse);
-    const after = await frame(now.after, now.changes, now.headRate_radps, coarse);
-    if (!coarse && wanted !== now) return; // A slider has moved since.
+    const before = await frame(now.set, now.before, {}, now.headRate_radps, coarse);
+    const after = await frame(now.set, now.after, now.changes, now.headRate_radps, coarse);
+    if ((!coarse && wanted !== now) || wanted?.set !== now.set) return; // A slider has moved since, or another set is open.
     seen.value = { before, after, coarse, took_ms: performance.now() - from };
     unseen.value = "";
   } catch (error) {

@@ -85,10 +85,14 @@ export function point(name: string, pin: boolean): void {
   void fetchPreview(name);
 }
 
-/** Back to the model as it is, or to the pinned preview where `all` is false. */
-export function restore(all = true): void {
-  hovered.value = null;
-  if (all) pinned.value = null;
+/** Back to the model as it is. */
+export function restore(): void {
+  hovered.value = pinned.value = null;
+}
+
+/** Where the mouse leaves the list: back to the pinned preview. Without one the last stays, so that its buttons can be reached. */
+export function leaveList(): void {
+  if (pinned.value) hovered.value = null;
 }
 
 async function fetchPreview(name: string, again = false): Promise<void> {
@@ -140,7 +144,7 @@ async function loadRows(id: string): Promise<void> {
     });
     choosePlot();
   } catch (error) {
-    problem.value = (error as Error).message;
+    if (version.value?.looked !== "failed") problem.value = (error as Error).message; // Else the head has it.
   } finally {
     loading.value = false;
   }
@@ -154,6 +158,15 @@ function choosePlot(): void {
   if (now.structure) structureFor = now.id;
 }
 
+/** Nothing of one set is shown beside another. */
+function forgetSet(): void {
+  loaded.value = look.value = null;
+  previews.value = new Map();
+  problem.value = "";
+  structureFor = "";
+  clearSelection();
+}
+
 let shownKey = "";
 
 /** Takes a state from the server. */
@@ -162,6 +175,7 @@ export function take(next: Session): void {
   const other = key !== shownKey;
   const opened = next.set?.folder !== session.value?.set?.folder;
   batch(() => {
+    if (opened) forgetSet();
     session.value = next;
     if (other) {
       restore();
@@ -199,9 +213,9 @@ async function write(what: string, ask: () => Promise<Session>): Promise<boolean
     return true;
   } catch (error) {
     problem.value = (error as Error).message;
+    saved.value = !api.isUnsaved(error);
     if (error instanceof api.Stale) {
       take(await api.session());
-      saved.value = true;
       problem.value = "Another tab changed the session. This page shows it as it is now; please do it again.";
     }
     return false;
@@ -220,12 +234,12 @@ export const undo = () => write("undo", () => api.undo(revision()));
 export const redo = () => write("redo", () => api.redo(revision()));
 export const goTo = (id: string) => write("going to the version", () => api.goTo(revision(), id));
 export const setNote = (id: string, text: string) => write("saving the note", () => api.note(revision(), id, text));
-export const openPlace = (path: string) => write("opening", () => api.open(path));
-/** Imports what was dropped and opens it; says what is wrong, or nothing. */
-export async function openImport(dropped: string, kind: string, options: Record<string, string>): Promise<string> {
-  busy.value = "importing";
+
+/** Opens another set; says what is wrong, or nothing. The session that is open stays as it is saved. */
+async function openBy(what: string, ask: () => Promise<Session>): Promise<string> {
+  busy.value = what;
   try {
-    take(await api.importDropped(dropped, kind, options));
+    take(await ask());
     return "";
   } catch (error) {
     return (error as Error).message;
@@ -233,6 +247,17 @@ export async function openImport(dropped: string, kind: string, options: Record<
     busy.value = "";
   }
 }
+
+export async function openPlace(path: string): Promise<boolean> {
+  problem.value = "";
+  const wrong = await openBy("opening", () => api.open(path));
+  if (wrong) problem.value = wrong;
+  return wrong === "";
+}
+
+/** Imports what was dropped and opens it. */
+export const openImport = (dropped: string, kind: string, options: Record<string, string>) =>
+  openBy("importing", () => api.importDropped(dropped, kind, options));
 
 export const takeBack = (item: LeftOut) => write("taking rows back", () => api.takeBack(revision(), item));
 
@@ -270,6 +295,7 @@ function shareSelection(): void {
       return;
     }
     clearTimeout(timer);
+    if (!loaded.peek()) return; // Of the set before.
     timer = setTimeout(() => void api.select(rangesOf(chosen)).catch(say), 300);
   });
 }

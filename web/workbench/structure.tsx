@@ -18,7 +18,7 @@ export function StructureList() {
   const now = version.value;
   const items = now?.structure;
   if (!now) return null;
-  if (now.trouble) return <p class="trouble" role="alert">{now.trouble}</p>;
+  if (now.trouble && !items) return null; // The head has it.
   if (!items) return <p class="empty" role="status">Testing what the residuals depend on …</p>;
   const shown = allShown.value ? items : items.slice(0, firstShown);
   return (

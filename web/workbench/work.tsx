@@ -21,11 +21,17 @@ export function WorkScreen() {
       </aside>
       <div class="bench">
         <Context />
-        {view.value ? <Plots /> : <div class="empty big" role="status">{loading.value ? "Reading the rows …" : "There are no rows to draw."}</div>}
+        {view.value ? <Plots /> : <div class="empty big" role="status">{withoutRows()}</div>}
         <Chosen />
       </div>
     </div>
   );
+}
+
+function withoutRows(): string {
+  if (loading.value) return "Reading the rows …";
+  const looked = version.value?.looked ?? "yes";
+  return looked === "yes" || looked === "failed" ? "There are no rows to draw." : "Comparing the model with the measurements …";
 }
 
 /** On a narrow page the candidates lie in a sheet at the bottom; this is what is seen of it when it is closed. */

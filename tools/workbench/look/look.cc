@@ -31,7 +31,7 @@ using measurement::SearchResult;
 using nlohmann::json;
 
 constexpr const char* kOrder =
-    "the log-likelihood of all rows, less a price for each parameter; the simplest of equals first";
+    "the log-likelihood of all rows less a price for each parameter, the simplest of equals first";
 
 void say(const json& event) {
   std::printf("%s\n", event.dump().c_str());

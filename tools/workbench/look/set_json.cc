@@ -59,6 +59,20 @@ json doubt_json(const measurement::Facts& facts, const std::string& text) {
   return doubt;
 }
 
+// What an import wrote down of the set; a set that says it in another way was made by hand.
+std::vector<std::string> import_said(const measurement::MeasurementSet& set, const char* what) {
+  std::vector<std::string> sentences;
+  try {
+    const auto imported = set.root.find("imported");
+    const auto list = imported ? imported->find(what) : std::nullopt;
+    if (!list) return {};
+    for (const ConfigNode& sentence : list->items()) sentences.push_back(sentence.text());
+  } catch (const InputError&) {
+    return {};
+  }
+  return sentences;
+}
+
 }  // namespace
 
 json set_json(const measurement::Problem& problem, const AnalysisFlags& flags,
@@ -73,19 +87,23 @@ json set_json(const measurement::Problem& problem, const AnalysisFlags& flags,
   }
   json fields = json::array();
   const auto described = measurement::describe_set(set, std::nullopt);
-  for (const auto* list : {&doubts, &described.errors, &described.warnings}) {
+  const std::vector<std::string> of_import = import_said(set, "doubts");
+  for (const auto* list : {&of_import, &doubts, &described.errors, &described.warnings}) {
     for (const std::string& text : *list) fields.push_back(doubt_json(facts, text));
   }
-  json set_json = {{"title", facts.title},
-                   {"kind", facts.kind()},
-                   {"file", std::filesystem::path(facts.file).filename().string()},
-                   {"rows", facts.rows()},
-                   {"groups", facts.groups.size()},
-                   {"group", set.group},
-                   {"noise", std::move(noise)},
-                   {"noise_estimated", estimated},
-                   {"columns", columns_json(set)},
-                   {"doubts", std::move(fields)}};
+  json set_json = {
+      {"title", facts.title},
+      {"kind", facts.kind()},
+      {"file", std::filesystem::path(facts.file).filename().string()},
+      {"rows", facts.rows()},
+      {"groups", facts.groups.size()},
+      {"group", set.group},
+      {"noise", std::move(noise)},
+      {"noise_estimated", estimated},
+      {"columns", columns_json(set)},
+      {"doubts", std::move(fields)},
+      {"imported",
+       {{"done", import_said(set, "done")}, {"not_known", import_said(set, "not_known")}}}};
   if (facts.width_px > 0)
     set_json["image"] = {{"width_px", facts.width_px}, {"height_px", facts.height_px}};
   return set_json;

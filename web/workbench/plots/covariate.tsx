@@ -35,7 +35,7 @@ export function CovariatePlot({ view, residual, covariate, moment, residuals, co
   const pair: Pair = useMemo(() => ({ before: first,
     ...(after ? { after: plotOf(rows, after, "after", residual, covariate, moment) } : {}) }), [first, after]);
   const draw = useCallback((width: number) => ({ ...residualOptions(pair, width),
-    ...(view.image && rows.has("u_px") ? { height: imageHeight(width, view.image) } : {}) }), [pair]);
+    ...(view.image && rows.has("u_px") ? { height: imageHeight(width, view.image) } : {}) }), [pair, view.image]);
   const chosen = selection.value;
   const x = rows.column(covariate)!, y = shownOf(view).r.get(residual)!;
   const paint = useCallback((context: CanvasRenderingContext2D, frame: Frame) => {

@@ -52,7 +52,11 @@ interface GroupProps {
 export function GroupPlot({ view, name = "group", ids: given, labels }: GroupProps) {
   const { rows, before } = view;
   const now = shownOf(view), ids = given ?? rows.column("group");
-  const sums = (of: Residuals) => groupsOf(rows, of, ids, given ? undefined : rows.column("held_out"));
+  const sums = (of: Residuals) => {
+    const groups = groupsOf(rows, of, ids, given ? undefined : rows.column("held_out"));
+    // With few groups each is judged by a fit to the others: no one is never fitted.
+    return groups.every((group) => group.heldOut) ? groups.map((group) => ({ ...group, heldOut: false })) : groups;
+  };
   const label = (id: number) => labels?.[id] ?? String(id);
   const first = useMemo(() => sums(before), [rows, before]);
   const shown = useMemo(() => (now === before ? first : sums(now)), [now, first]);
@@ -77,10 +81,11 @@ export function GroupPlot({ view, name = "group", ids: given, labels }: GroupPro
   }, [first, rows]);
   const worst = [...shown].sort((a, b) => b.error - a.error)[0];
   const held = shown.filter((group) => group.heldOut).length;
+  if (first.length === 0) return null; // Rows of single pixels have none.
   return (
     <Figure name={`error by ${given ? name : "group"}`} draw={draw} paint={paint} onPick={onPick}
       title={<>error by {name} <span class="quiet">{held > 0 && "hatched: held out, never fitted"}</span></>}
-      sentence={worst ? `The largest is ${number(worst.error)}, of ${name} ${label(worst.id)}.${given ? "" :
-        ` Fits use ${shown.length - held} groups; the other ${held} judge.`}` : "There are no groups."} />
+      sentence={`The largest is ${number(worst?.error)}, of ${name} ${label(worst?.id)}.${given ? "" : held === 0
+        ? " With so few groups each is judged by a fit to the others." : ` Fits use ${shown.length - held} groups; the other ${held} judge.`}`} />
   );
 }

@@ -15,7 +15,8 @@ const label = (name: string) => {
   return unit ? `${words(splitUnit(name).name)} (${unit})` : words(name);
 };
 
-export function MapPlot({ view, residual, x, y }: { view: View; residual: string; x: string; y: string }) {
+export function MapPlot({ view, residual, x, y, called = "map over two covariates" }: { view: View; residual: string; x: string;
+  y: string; called?: string }) {
   const { rows, before } = view;
   const { name, unit } = splitUnit(residual);
   const few = rows.n < 1500;
@@ -42,7 +43,7 @@ export function MapPlot({ view, residual, x, y }: { view: View; residual: string
       `${words(x)} ${number(box.x[0])} to ${number(box.x[1])}, ${words(y)} ${number(box.y[0])} to ${number(box.y[1])}`, add);
   }, [rows, x, y]);
   return (
-    <Figure name="map over two covariates" draw={draw} paint={paint} onBrush={onBrush}
+    <Figure name={called} draw={draw} paint={paint} onBrush={onBrush}
       title={<>{words(name)} residual <span class="quiet">over</span> {words(x)} <span class="quiet">and</span> {words(y)}</>}
       sentence={`Mean in each cell: orange above, blue below zero, full colour from ${number(reach, 2)} ${unit}. ` +
         "A right model leaves speckle without shape."} />

@@ -67,6 +67,13 @@ function mapPlot({ view: now, item }: Shown) {
   return axes && <MapPlot view={now} residual={item.residual} x={axes[0]} y={axes[1]} />;
 }
 
+/** Of flat fields: where in the image. */
+function imagePlot({ view: now, item }: Shown) {
+  const wanted = now.rows.data("observed dn") && now.rows.has("column") && now.rows.has("row") &&
+    axesOf(now, item.covariate)?.[1] !== "row";
+  return wanted && <MapPlot view={now} residual={item.residual} x="column" y="row" called="map over the image" />;
+}
+
 const inImage = ({ view: now }: Shown) => now.before.r.has("u_px") && now.rows.has("u_px");
 
 const all: ((of: Shown) => ComponentChildren)[] = [
@@ -74,6 +81,7 @@ const all: ((of: Shown) => ComponentChildren)[] = [
   (of) => inImage(of) && <ArrowPlot view={of.view} />,
   (of) => ofKind(of.view),
   mapPlot,
+  imagePlot,
   ({ view: now, item }) => <SpreadPlot view={now} residual={item.residual} />,
   ({ view: now }) => <GroupPlot view={now} name={session.value?.set?.group || "group"} labels={now.rows.words.names?.group} />,
 ];
