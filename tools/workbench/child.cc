@@ -92,20 +92,28 @@ Child::Ended Child::run(const std::vector<std::string>& arguments,
   start(arguments, folder, output.ends[1], errors.ends[1]);
   output.close_end(1);
   errors.close_end(1);
-  Ended ended;
   if (process_ == 0) return {.code = 137, .errors = {}, .stopped = true};
-  std::string text;
+  std::string text, said;
   bool open[2] = {true, true};
-  while (open[0] || open[1]) {
-    pollfd ready[2] = {{open[0] ? output.ends[0] : -1, POLLIN, 0},
-                       {open[1] ? errors.ends[0] : -1, POLLIN, 0}};
-    if (::poll(ready, 2, -1) < 0 && errno != EINTR) break;
-    if (ready[0].revents != 0) open[0] = take(output.ends[0], text);
-    if (ready[1].revents != 0) open[1] = take(errors.ends[0], ended.errors);
-    if (ended.errors.size() > 2 * kMostErrorBytes)
-      ended.errors.erase(0, ended.errors.size() - kMostErrorBytes);
-    give_lines(text, line);
+  try {
+    while (open[0] || open[1]) {
+      pollfd ready[2] = {{open[0] ? output.ends[0] : -1, POLLIN, 0},
+                         {open[1] ? errors.ends[0] : -1, POLLIN, 0}};
+      if (::poll(ready, 2, -1) < 0 && errno != EINTR) break;
+      if (ready[0].revents != 0) open[0] = take(output.ends[0], text);
+      if (ready[1].revents != 0) open[1] = take(errors.ends[0], said);
+      if (said.size() > 2 * kMostErrorBytes) said.erase(0, said.size() - kMostErrorBytes);
+      give_lines(text, line);
+    }
+  } catch (...) {
+    ::kill(-process_, SIGKILL);
+    reap({});
+    throw;
   }
+  return reap(std::move(said));
+}
+
+Child::Ended Child::reap(std::string errors) {
   siginfo_t gone{};
   while (::waitid(P_PID, static_cast<id_t>(process_), &gone, WEXITED | WNOWAIT) < 0 &&
          errno == EINTR) {
@@ -115,9 +123,9 @@ Child::Ended Child::run(const std::vector<std::string>& arguments,
   int status = 0;
   ::waitpid(process_, &status, 0);
   process_ = 0;
-  ended.stopped = stopped_;
-  ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return ended;
+  return {.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+          .errors = std::move(errors),
+          .stopped = stopped_};
 }
 
 void Child::stop() {

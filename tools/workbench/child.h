@@ -23,7 +23,8 @@ class Child {
   using Line = std::function<void(std::string_view)>;
 
   // Runs `seam ARGUMENTS` in this folder and waits for its end; each line of its standard output
-  // goes to `line`. One at a time. Throws InputError where no process can be started.
+  // goes to `line`; what that throws ends the process. One at a time. Throws InputError where none
+  // can be started.
   Ended run(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
             const Line& line = {});
   // Ends it, if one runs, and refuses others until `allow`.
@@ -33,6 +34,7 @@ class Child {
  private:
   void start(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
              int output, int errors);
+  Ended reap(std::string errors);
 
   std::mutex mutex_;
   pid_t process_ = 0;

@@ -5,7 +5,10 @@
 
 #include "measurement/sets/set.h"
 #include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
+#include "sim_core/input/file_names.h"
 #include "tools/pages/refusal.h"
+#include "tools/workbench/session/cache_key.h"
 
 namespace seam::tools {
 
@@ -21,21 +24,18 @@ Desk::Desk()
 
 void Desk::open(const fs::path& data, const fs::path& session) {
   const auto set = measurement::MeasurementSet::open(data);
+  looking_->cancel();  // Also a change that is being computed, which holds the lock.
   const std::lock_guard change(changing_);
-  looking_->cancel();
   {
     const std::lock_guard lock(mutex_);
-    session_ = std::make_unique<Session>(session, data);
+    session_ = std::make_unique<Session>(session, data, session_.get());
     ++opened_;
     job_ = nullptr;
     looked_.clear();
     lines_.clear();
-    for (const Version& version : session_->state().versions) {
-      looked_[version.id].read(session_->cache(version.id));
-      // A session that is opened again may stand on another disk.
-      if (!fs::exists(session_->model(version.id)))
-        throw InputError(fmt::format("{}: is missing", session_->model(version.id).string()));
-    }
+    set_key_ = set_key(*session_);
+    for (const Version& version : session_->state().versions)
+      looked_[version.id] = looked_before(version);
     const fs::path folder = fs::canonical(data);
     set_ = {{"title", set.title},
             {"kind", set.kind},
@@ -52,6 +52,24 @@ void Desk::open(const fs::path& data, const fs::path& session) {
     events_.publish("state", state_unlocked());
   }
   look_at_current();
+}
+
+// What was computed of a version, if it was of the files as they are now; else it is removed.
+Looked Desk::looked_before(const Version& version) const {
+  const fs::path cache = session_->cache(version.id), key = cache / kKey, rows = cache / "rows.bin";
+  try {
+    if (fs::exists(key) && read_file(key) == cache_key(set_key_, *session_, version)) {
+      Looked looked;
+      looked.read(cache);
+      search_json(looked);
+      if (fs::exists(rows)) column_of(rows, "line");
+      return looked;
+    }
+  } catch (const std::exception&) {  // A damaged file: it is made again.
+  }
+  std::error_code failed;  // A look that cannot write there will say so.
+  fs::remove_all(cache, failed);
+  return {};
 }
 
 void Desk::offer(json recent, json samples) {
@@ -231,7 +249,7 @@ json Desk::line(int64_t row) {
   const json set = set_json();
   const std::vector<int> lines = lines_of({{row, row}});
   const std::string name = set.value("file", "");
-  std::ifstream in(fs::path(session().state().data) / name);
+  std::ifstream in(path_inside(session().state().data, name));
   std::string header, text;
   std::getline(in, header);
   for (int at = 2; at <= lines.front() && std::getline(in, text); ++at) {

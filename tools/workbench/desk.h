@@ -15,9 +15,12 @@
 #include "tools/workbench/look/columns.h"
 #include "tools/workbench/looked.h"
 #include "tools/workbench/looking.h"
-#include "tools/workbench/session.h"
+#include "tools/workbench/session/session.h"
 
 namespace seam::tools {
+
+// In the folder of what was computed of a version: of what it was computed.
+inline constexpr const char* kKey = "key.txt";
 
 class Desk {
  public:
@@ -71,8 +74,8 @@ class Desk {
   void move(uint64_t revision, const std::function<void(SessionState&)>& step);
   void save(SessionState next);
   void commit(Version version);
-  void make(uint64_t revision, Version version, std::vector<std::string> command);
-  std::vector<std::string> about(const Version& version, const std::string& left_out) const;
+  void make(uint64_t revision, Version version);
+  Looked looked_before(const Version& version) const;
   const std::vector<int>& lines_of_rows() const;
   std::vector<int> lines_of(const Ranges& ranges) const;
   void look_at_current();
@@ -87,6 +90,7 @@ class Desk {
   mutable std::mutex mutex_;
   std::mutex changing_;  // One change at a time, which may take long.
   std::unique_ptr<Session> session_;
+  std::string set_key_;  // Of the set when it was opened.
   uint64_t opened_ = 0;  // How many sessions were: versions of two may have one name.
   std::map<std::string, Looked> looked_;
   mutable std::vector<int> lines_;  // Of all rows of the set; empty: not known yet.

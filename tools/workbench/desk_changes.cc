@@ -2,43 +2,21 @@
 #include <algorithm>
 
 #include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
 #include "sim_core/base/output.h"
 #include "tools/pages/refusal.h"
 #include "tools/workbench/desk.h"
 #include "tools/workbench/formula.h"
-#include "tools/workbench/look/columns.h"
+#include "tools/workbench/session/cache_key.h"
 
 namespace seam::tools {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMostVersions = 999;
 constexpr size_t kMostNote = 10'000;  // Of a note or reason.
-
-void check_effect_name(const std::string& name) {
-  const bool plain = !name.empty() && name.size() <= 100 && name.front() != '-' &&
-                     name.find_first_not_of(
-                         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                         "0123456789_@-") == std::string::npos;
-  if (!plain) throw UsageError("effect: expected the name of an effect of the catalogue");
-}
-
-std::string model_name(const std::string& id) {
-  return "versions/" + id + ".yaml";
-}
-
-// A line of a table: no commas, no line ends.
-std::string one_cell(std::string reason) {
-  for (char& c : reason) {
-    if (c == ',') c = ';';
-    if (static_cast<unsigned char>(c) < ' ' || c == '"') c = ' ';
-  }
-  const size_t first = reason.find_first_not_of(' ');
-  if (first == std::string::npos)
-    throw UsageError("reason: found none, expected why these rows are left out");
-  return reason.substr(first, reason.find_last_not_of(' ') - first + 1);
-}
+// Of what is chosen, which each state repeats.
+constexpr size_t kMostRanges = 20'000;
 
 // Takes the lines out of all that is left out.
 void take_out(std::vector<LeftOut>& left_out, const std::vector<int>& lines) {
@@ -46,6 +24,26 @@ void take_out(std::vector<LeftOut>& left_out, const std::vector<int>& lines) {
     std::erase_if(one.lines, [&](int line) { return std::ranges::binary_search(lines, line); });
   }
   std::erase_if(left_out, [](const LeftOut& one) { return one.lines.empty(); });
+}
+
+// In order, neighbours as one.
+Desk::Ranges merged(Desk::Ranges ranges, size_t rows) {
+  if (ranges.size() > kMostRanges)
+    throw UsageError(fmt::format("ranges: found {}, expected at most {}: choose fewer pieces",
+                                 ranges.size(), kMostRanges));
+  std::ranges::sort(ranges);
+  Desk::Ranges out;
+  for (const auto& [from, to] : ranges) {
+    if (from < 0 || to < from || to >= static_cast<int64_t>(rows))
+      throw UsageError(
+          fmt::format("ranges: found {} to {}, expected rows below {}", from, to, rows));
+    if (!out.empty() && from <= out.back().second + 1) {
+      out.back().second = std::max(out.back().second, to);
+    } else {
+      out.emplace_back(from, to);
+    }
+  }
+  return out;
 }
 
 // A version with the same model, whose rows differ.
@@ -71,29 +69,30 @@ void Desk::save(SessionState next) {
   events_.publish("state", state_unlocked());
 }
 
-std::vector<std::string> Desk::about(const Version& version, const std::string& left_out) const {
-  std::vector<std::string> arguments = {"--model", model_name(version.id), "--data",
-                                        session_->state().data};
-  if (!version.left_out.empty()) {
-    arguments.push_back("--leave-out");
-    arguments.push_back(left_out);
-  }
-  return arguments;
-}
-
 std::vector<std::string> Desk::of_current() {
   const std::lock_guard lock(mutex_);
-  return about(session().state().version(session().state().current), "left-out.csv");
+  const SessionState& state = session().state();
+  return about(state, state.version(state.current), "left-out.csv");
 }
 
 void Desk::look(const Version& version) {
   const std::string folder = "cache/" + version.id;
-  const fs::path cache = session_->cache(version.id);
   LookJob job{
       .opened = opened_, .version = version.id, .folder = session_->folder(), .commands = {}};
-  if (!version.left_out.empty())
-    write_file_atomically(cache / "left-out.csv", left_out_table(version.left_out));
-  const std::vector<std::string> about_it = about(version, folder + "/left-out.csv");
+  try {
+    make_output_folder(session_->cache(version.id));
+    if (!version.left_out.empty())
+      write_file_atomically(session_->cache(version.id) / "left-out.csv",
+                            left_out_table(version.left_out));
+    write_file_atomically(session_->cache(version.id) / kKey,
+                          cache_key(set_key_, *session_, version));
+  } catch (const InputError& error) {
+    looked_[version.id].trouble = error.what();
+    events_.publish("state", state_unlocked());
+    return;
+  }
+  const std::vector<std::string> about_it =
+      about(session_->state(), version, folder + "/left-out.csv");
   const Looked& looked = looked_[version.id];
   if (!looked.ended()) {
     std::vector<std::string> command = {"workbench", session_->state().data, "--look", folder};
@@ -120,38 +119,26 @@ void Desk::look_at_current() {
   if (looked.trouble.empty() && !looked.cancelled) look(current);
 }
 
-// A new version behind the current one, made by a command that ends with `--out`. `before` is
-// written to effects/ID.yaml first, where it is not empty.
-void Desk::make(uint64_t revision, Version version, std::vector<std::string> command) {
+// A new version behind the current one, made by the command that it begins with.
+void Desk::make(uint64_t revision, Version version) {
   const auto change = only_change();
   fs::path folder;
   {
     const std::lock_guard lock(mutex_);
     session().expect(revision);
     const SessionState& now = session_->state();
-    if (now.versions.size() >= kMostVersions)
-      throw Refusal(400, "a session has at most 999 versions: begin another one");
     const Version& current = now.version(now.current);
     version.id = now.next_id();
     version.parent = current.id;
     version.left_out = current.left_out;
-    if (!version.formula.empty()) {
-      make_output_folder(session_->folder() / "effects");
-      write_file_atomically(session_->folder() / "effects" / (version.id + ".yaml"),
-                            version.formula);
-      command.push_back("effects/" + version.id + ".yaml");
-    }
-    const auto about_it = about(current, "left-out.csv");
-    command.insert(command.end(), about_it.begin(), about_it.end());
-    command.push_back("--out");
-    command.push_back(model_name(version.id));
-    version.arguments = command;
+    version.arguments = arguments_of(now, version);
+    if (!version.formula.empty()) session_->write_part(formula_name(version.id), version.formula);
     folder = session_->folder();
-    job_ = {{"what", command[0] + " " + version.name}, {"done", 0}, {"of", 0}};
+    job_ = {{"what", version.arguments[0] + " " + version.name}, {"done", 0}, {"of", 0}};
     events_.publish("state", state_unlocked());
   }
   try {
-    looking_->run_alone(command, folder);
+    looking_->run_alone(version.arguments, folder);
   } catch (...) {
     {
       const std::lock_guard lock(mutex_);
@@ -170,27 +157,29 @@ void Desk::commit(Version version) {
     const std::lock_guard lock(mutex_);
     SessionState next = session_->state();
     job_ = nullptr;
-    command_ = command_of(version);
+    std::string command = command_of(version);
     next.current = version.id;
     next.undone.clear();
     next.versions.push_back(std::move(version));
     save(std::move(next));
+    command_ = std::move(command);
   }
   look_at_current();
 }
 
 void Desk::add(uint64_t revision, const std::string& effect) {
-  check_effect_name(effect);
-  make(revision, {.name = effect}, {"add", effect});
+  if (!is_effect_name(effect))
+    throw UsageError("effect: expected the name of an effect of the catalogue");
+  make(revision, {.name = effect, .arguments = {"add"}});
 }
 
 void Desk::add_formula(uint64_t revision, const std::string& stage, const std::string& name,
                        const std::string& text) {
-  make(revision, {.name = name, .formula = formula_file(stage, name, text)}, {"add"});
+  make(revision, {.name = name, .arguments = {"add"}, .formula = formula_file(stage, name, text)});
 }
 
 void Desk::refit(uint64_t revision) {
-  make(revision, {.name = "refitted"}, {"fit"});
+  make(revision, {.name = "refitted", .arguments = {"fit"}});
 }
 
 void Desk::move(uint64_t revision, const std::function<void(SessionState&)>& step) {
@@ -200,8 +189,9 @@ void Desk::move(uint64_t revision, const std::function<void(SessionState&)>& ste
     session().expect(revision);
     SessionState next = session_->state();
     step(next);
-    command_ = command_of(next.version(next.current));
+    std::string command = command_of(next.version(next.current));
     save(std::move(next));
+    command_ = std::move(command);
   }
   look_at_current();
 }
@@ -243,37 +233,33 @@ void Desk::note(uint64_t revision, const std::string& version, const std::string
 std::vector<int> Desk::lines_of(const Ranges& ranges) const {
   const std::vector<int>& all = lines_of_rows();
   std::vector<int> lines;
-  for (const auto& [from, to] : ranges) {
-    if (from < 0 || to < from || to >= static_cast<int64_t>(all.size()))
-      throw UsageError(
-          fmt::format("ranges: found {} to {}, expected rows below {}", from, to, all.size()));
-    for (int64_t row = from; row <= to; ++row) lines.push_back(all[static_cast<size_t>(row)]);
-  }
+  for (const auto& [from, to] : merged(ranges, all.size()))
+    lines.insert(lines.end(), all.begin() + from, all.begin() + to + 1);
   if (lines.empty()) throw UsageError("ranges: found no row, expected those that are chosen");
   std::sort(lines.begin(), lines.end());
-  lines.erase(std::unique(lines.begin(), lines.end()), lines.end());
   return lines;
 }
 
 void Desk::leave_out(uint64_t revision, const Ranges& ranges, const std::string& reason) {
   if (reason.size() > kMostNote) throw UsageError("reason: is too long");
+  const std::string why = one_cell(reason);
+  if (why.empty()) throw UsageError("reason: found none, expected why these rows are left out");
   const auto change = only_change();
   Version version;
   {
     const std::lock_guard lock(mutex_);
     session().expect(revision);
     const std::vector<int> lines = lines_of(ranges);
-    version = same_model(session_->state(), "left out: " + one_cell(reason));
+    version = same_model(session_->state(), "left out: " + why);
     take_out(version.left_out, lines);
-    const auto same = std::ranges::find(version.left_out, one_cell(reason), &LeftOut::reason);
+    const auto same = std::ranges::find(version.left_out, why, &LeftOut::reason);
     if (same == version.left_out.end()) {
-      version.left_out.push_back({lines, one_cell(reason)});
+      version.left_out.push_back({lines, why});
     } else {
       same->lines.insert(same->lines.end(), lines.begin(), lines.end());
       std::sort(same->lines.begin(), same->lines.end());
     }
-    fs::copy_file(session_->folder() / version.copied, session_->model(version.id),
-                  fs::copy_options::overwrite_existing);
+    session_->write_part(model_name(version.id), read_file(session_->model(version.parent)));
   }
   commit(std::move(version));
 }
@@ -286,8 +272,7 @@ void Desk::take_back(uint64_t revision, const Ranges& ranges) {
     session().expect(revision);
     version = same_model(session_->state(), "taken back");
     take_out(version.left_out, lines_of(ranges));
-    fs::copy_file(session_->folder() / version.copied, session_->model(version.id),
-                  fs::copy_options::overwrite_existing);
+    session_->write_part(model_name(version.id), read_file(session_->model(version.parent)));
   }
   commit(std::move(version));
 }
@@ -295,7 +280,7 @@ void Desk::take_back(uint64_t revision, const Ranges& ranges) {
 void Desk::select(const Ranges& ranges) {
   const std::lock_guard lock(mutex_);
   SessionState next = session().state();
-  next.selection = ranges;
+  next.selection = merged(ranges, lines_of_rows().size());
   session_->keep(std::move(next));
 }
 
@@ -329,7 +314,7 @@ nlohmann::json Desk::ask(std::vector<std::string> command, const std::string& na
     const std::lock_guard lock(mutex_);
     folder = session().folder();
     const std::string file = fmt::format("cache/{}/{}", session_->state().current, name);
-    session_->cache(session_->state().current);
+    make_output_folder(session_->cache(session_->state().current));
     fs::remove(folder / file);
     command.push_back(file);
   }

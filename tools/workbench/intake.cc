@@ -129,10 +129,16 @@ json Intake::take_in(const httplib::MultipartFormDataMap& files) const {
   if (kept.empty()) throw UsageError("files: found none");
   const fs::path folder = new_folder(beside_, "dropped");
   fs::path set;
-  for (const auto& [name, content] : kept) {
-    fs::create_directories((folder / name).parent_path());
-    write_file_atomically(folder / name, *content);
-    if (name.filename() == "measurement.yaml") set = (folder / name).parent_path();
+  try {
+    for (const auto& [name, content] : kept) {
+      make_output_folder((folder / name).parent_path());
+      write_file_atomically(folder / name, *content);
+      if (name.filename() == "measurement.yaml") set = (folder / name).parent_path();
+    }
+  } catch (const InputError&) {
+    std::error_code stays;
+    fs::remove_all(folder, stays);
+    throw;
   }
   if (!set.empty()) return {{"set", fs::canonical(set).string()}};
   const app::ImportKind* kind = app::import_that_reads(sources_in(folder));

@@ -1,5 +1,6 @@
 // `seam workbench`: a page on this machine to work on a model with (docs/workbench.md).
 #include <charconv>
+#include <mutex>
 
 #include "measurement/sets/set.h"
 #include "sim_core/base/error.h"
@@ -13,7 +14,7 @@
 #include "tools/workbench/look/look.h"
 #include "tools/workbench/places.h"
 #include "tools/workbench/see/see.h"
-#include "tools/workbench/session_archive.h"
+#include "tools/workbench/session/session_archive.h"
 
 namespace seam::tools {
 namespace {
@@ -51,7 +52,14 @@ class Body {
   }
   uint64_t revision() const { return get<uint64_t>("revision"); }
   std::string text(const char* name) const { return get<std::string>(name); }
-  Desk::Ranges ranges() const { return get<Desk::Ranges>("ranges"); }
+  Desk::Ranges ranges() const {
+    for (const json& range : get<json>("ranges")) {
+      if (!range.is_array() || range.size() != 2 || !range[0].is_number_integer() ||
+          !range[1].is_number_integer())
+        throw UsageError("ranges: expected pairs of rows, the first and the last of each");
+    }
+    return get<Desk::Ranges>("ranges");
+  }
 
  private:
   json fields_;
@@ -235,6 +243,7 @@ class Workbench {
       auto model = effects::Model::from_file(desk_.model(body.text("version")));
       change_parameters(model, body.get<json>("changes"));
       const auto set = measurement::MeasurementSet::open(desk_.set_folder());
+      const std::lock_guard one_at_a_time(seeing_);  // Each takes all cores, and memory.
       const SeenFrame frame = see(model, {.width_px = set.camera.width_px,
                                           .height_px = set.camera.height_px,
                                           .head_rate_radps = body.get<double>("head_rate_radps"),
@@ -288,6 +297,7 @@ class Workbench {
   const Places places_;
   const Intake intake_;
   Desk desk_;
+  std::mutex seeing_;
   PageServer server_{{.folder = "workbench",
                       .folder_from = "SEAM_WORKBENCH_DIR",
                       .most_body = kMostBody,

@@ -21,6 +21,8 @@ using effects::ModelEffect;
 using nlohmann::json;
 
 constexpr uint16_t kBoard = 1;
+// Of a frame: its rays take a gigabyte. Larger ones would be made, but nobody could wait for them.
+constexpr double kMostPixels = 20e6;
 // A coarse frame has at most so many pixels: it is there within 100 ms on two cores.
 constexpr int kMostCoarsePixels = 40'000;
 
@@ -156,6 +158,9 @@ SeenFrame see(const Model& whole, const SeeSettings& settings) {
   give_projection(model, settings);
   SeeSettings shown = settings;
   const double pixels = static_cast<double>(settings.width_px) * settings.height_px;
+  if (pixels > kMostPixels)
+    throw InputError(fmt::format("camera: found {} by {} pixels, See it shows at most {} million",
+                                 settings.width_px, settings.height_px, kMostPixels / 1e6));
   if (settings.coarse && pixels > kMostCoarsePixels) {
     const int k = static_cast<int>(std::ceil(std::sqrt(pixels / kMostCoarsePixels)));
     model = with_fewer_pixels(std::move(model), k);

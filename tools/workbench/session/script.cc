@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "sim_core/input/shell_word.h"
-#include "tools/workbench/session.h"
+#include "tools/workbench/session/session.h"
 
 namespace seam::tools {
 namespace {

@@ -4,13 +4,18 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "tools/workbench/session/folder_lock.h"
+
 namespace seam::tools {
+
+inline constexpr size_t kMostVersions = 999;
 
 // Rows of observations that are left out for one reason, by their lines in the file.
 struct LeftOut {
@@ -42,37 +47,54 @@ struct SessionState {
 
   const Version* find(const std::string& id) const;
   const Version& version(const std::string& id) const;  // Throws Refusal.
-  std::string next_id() const;
+  std::string next_id() const;                          // Likewise, where there is no room.
 };
 
 class Session {
  public:
-  // Opens the session in this folder, or begins one with a copy of this model. Throws InputError
-  // for a session of another set, and for one that cannot be read.
-  Session(std::filesystem::path folder, const std::filesystem::path& data);
+  // Opens the session in this folder, or begins one with a copy of the set's model. `before`: the
+  // session that was open in this program, if any, which may be the same. Throws InputError for a
+  // session of another set, for one that cannot be read, and for one that another program has open.
+  Session(std::filesystem::path folder, const std::filesystem::path& data, const Session* before);
 
   const SessionState& state() const { return state_; }
   const std::filesystem::path& folder() const { return folder_; }
+  // Throws InputError where a link leads out of the session's folder; likewise `cache`.
   std::filesystem::path model(const std::string& id) const;
-  // A folder for what can be computed again.
+  // The folder of what can be computed again; it may not be there yet.
   std::filesystem::path cache(const std::string& id) const;
 
   // Writes the next state, with its left-out.csv, and then has it. Throws Refusal (507) where that
-  // cannot be written: all is as before.
+  // cannot be written, or a model of a version is gone: all is as before.
   void save(SessionState next);
+  // A model or formula of a version that `save` will tell of. Throws Refusal (507).
+  void write_part(const std::string& name, const std::string& text) const;
   // The same of what is no step of the work (a selection): the revision stays.
   void keep(SessionState next);
   // Throws Refusal (409) for a revision that is not the present one.
   void expect(uint64_t revision) const;
 
  private:
-  void begin(const std::filesystem::path& data);
+  void begin(const std::filesystem::path& data, const std::filesystem::path& nominal);
+  void read(const std::filesystem::path& data);
   void write(const SessionState& next) const;
-  void write_left_out(const SessionState& next) const;
 
   std::filesystem::path folder_;
+  std::shared_ptr<const FolderLock> lock_;
   SessionState state_;
 };
+
+std::string model_name(const std::string& id);    // In the session's folder.
+std::string formula_name(const std::string& id);  // Likewise.
+// A text as it can stand in a cell of a table: one line, no commas, no blanks around.
+std::string one_cell(std::string text);
+bool is_effect_name(const std::string& name);
+// `--model MODEL --data DATA` of a version, and `--leave-out` with this table where rows are left
+// out.
+std::vector<std::string> about(const SessionState& state, const Version& version,
+                               const std::string& left_out);
+// The command that makes a version from its parent: `add` or `fit`, as its first argument says.
+std::vector<std::string> arguments_of(const SessionState& state, const Version& version);
 
 // The table that `--leave-out` reads.
 std::string left_out_table(const std::vector<LeftOut>& left_out);
@@ -83,6 +105,7 @@ std::string script_of(const SessionState& state);
 std::string command_of(const Version& version);
 
 nlohmann::json to_json(const SessionState& state);
+// Throws InputError, or json::exception, for what this program would not have written.
 SessionState session_from(const nlohmann::json& json);
 
 }  // namespace seam::tools

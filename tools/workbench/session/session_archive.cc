@@ -1,4 +1,4 @@
-#include "tools/workbench/session_archive.h"
+#include "tools/workbench/session/session_archive.h"
 
 #include <algorithm>
 #include <vector>
@@ -28,7 +28,7 @@ std::string session_archive(const fs::path& folder, const std::string& script) {
                      folder.string() + ": a session of more than 4 GiB cannot be packed");
   const std::string top = "session/";
   const auto add = [&](const std::string& name, const fs::path& file) {
-    if (fs::is_regular_file(file)) zip.add(top + name, read_file(file));
+    if (fs::is_regular_file(fs::symlink_status(file))) zip.add(top + name, read_file(file));
   };
   zip.add(top + "session.sh", script);
   for (const char* name : {"session.json", "left-out.csv"}) add(name, folder / name);
