@@ -172,7 +172,7 @@ class Saved(_OfTheRoom):
         twice = json.loads((self.session / "session.json").read_text())
         twice["versions"].append(twice["versions"][1])
         (self.session / "session.json").write_text(json.dumps(twice))
-        with self.assertRaisesRegex(AssertionError, "versions: two are 002"):
+        with self.assertRaisesRegex(AssertionError, "002: expected 003 as the id"):
             with self.page():
                 pass
 

@@ -53,6 +53,10 @@ class Strange(_OfTheRoom):
             with self.assertRaisesRegex(AssertionError, "another workbench has this session open"):
                 with self.page():
                     pass
+            port = page.address.rstrip("/").rsplit(":", 1)[1]
+            with self.assertRaisesRegex(AssertionError, f"--port {port}: cannot be had"):
+                with self.page(self.data, "--session", self.folder / "another", "--port", port):
+                    pass
             self.assertEqual(page.change("open", path=str(self.data)).status, 200)  # The same program may.
             self.assertEqual(page.change("note", version="001", note="kept").status, 200)
         with self.page() as page:

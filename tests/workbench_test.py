@@ -253,6 +253,7 @@ class Workbench(OfTheRoom):
                                   ("note", b'{"revision": 1e999, "version": "001", "note": ""}'),
                                   ("undo", b"[" * 1000 + b"]" * 1000), ("formula/check", b'{"stage": 1}'),
                                   ("plan", b'{"effects": "rolling_shutter"}'),
+                                  ("plan", b'{"effects": ["--plugin=../dropped/evil.so"]}'),
                                   ("leave-out", b'{"revision": %d, "ranges": [[1]], "reason": "x"}' % revision),
                                   ("leave-out", b'{"revision": %d, "ranges": [[2, 1]], "reason": "x"}' % revision)):
                 answer = page.ask(what, content=content, method="POST")

@@ -112,6 +112,11 @@ void drop(int& socket) {
 
 GatedServer::GatedServer(int threads, MostBody most_body) : most_body_(std::move(most_body)) {
   new_task_queue = [] { return new NoQueue; };
+  // httplib's own options let another server of the same user listen on the same port.
+  set_socket_options([](socket_t socket) {
+    const int on = 1;
+    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+  });
   // A thread that the system refuses ends the constructor: those that run are asked to end.
   try {
     threads_.push_back(start_thread([this] { watch(); }));

@@ -88,6 +88,11 @@ void Child::start(const std::vector<std::string>& arguments, const std::filesyst
 
 Child::Ended Child::run(const std::vector<std::string>& arguments,
                         const std::filesystem::path& folder, const Line& line) {
+  // Code of others runs by consent at the terminal alone.
+  for (const std::string& argument : arguments) {
+    if (argument.starts_with("--plugin") || argument.starts_with("--run-programs"))
+      throw InputError("the workbench runs no programs and plugins of others");
+  }
   Pipe output, errors;
   start(arguments, folder, output.ends[1], errors.ends[1]);
   output.close_end(1);

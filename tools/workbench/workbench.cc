@@ -286,6 +286,7 @@ class Workbench {
                                           words.at(3)};
       const auto effects = Body(request).get<std::vector<std::string>>("effects");
       for (const std::string& effect : effects) {
+        if (!is_effect_name(effect)) throw UsageError("effects: expected names of effects");
         command.push_back("--effects");
         command.push_back(effect);
       }
