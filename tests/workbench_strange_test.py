@@ -8,6 +8,7 @@ import json
 import os
 import shutil
 import sys
+import threading
 import unittest
 
 from workbench_test import OfTheRoom as _OfTheRoom
@@ -47,6 +48,26 @@ class Strange(_OfTheRoom):
                 refused = page.ask("selection", {"ranges": wrong}, method="PUT")
                 self.assertEqual((refused.status, "ranges" in refused.json["error"]), (400, True), wrong[:3])
             self.assertEqual(page.state["selection"], [[3, 5], [7, 12]])
+
+    def test_a_change_is_seen_while_it_is_computed(self):
+        with self.page() as page:
+            page.until(lambda: page.version("001")["looked"] == "running")
+            seen = []
+            watching = threading.Event()
+
+            def watch():
+                while not watching.is_set():
+                    seen.append((page.state["job"] or {}).get("what", ""))
+
+            watcher = threading.Thread(target=watch)
+            watcher.start()
+            self.assertEqual(page.change("add", effect="rolling_shutter").status, 200)
+            watching.set()
+            watcher.join()
+            first = seen.index("add rolling_shutter")
+            last = len(seen) - 1 - seen[::-1].index("add rolling_shutter")
+            self.assertEqual(set(seen[first:last + 1]), {"add rolling_shutter"})
+            self.assertGreater(last, first)
 
     def test_one_program_at_a_time(self):
         with self.page() as page:

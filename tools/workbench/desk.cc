@@ -30,7 +30,7 @@ void Desk::open(const fs::path& data, const fs::path& session) {
     const std::lock_guard lock(mutex_);
     session_ = std::make_unique<Session>(session, data, session_.get());
     ++opened_;
-    job_ = nullptr;
+    job_ = look_ = nullptr;
     looked_.clear();
     lines_.clear();
     set_key_ = set_key(*session_);
@@ -143,7 +143,7 @@ json Desk::state_unlocked() const {
                 {"can_undo", false},
                 {"can_redo", false},
                 {"command", command_},
-                {"job", job_},
+                {"job", job_.is_null() ? look_ : job_},
                 {"selection", json::array()},
                 {"set", set_json()},
                 {"versions", json::array()},
@@ -204,7 +204,8 @@ json Desk::search(const std::string& id) {
     const Version& version = session().state().version(id);
     fields = search_json(looked_[id]);
     fields["version"] = version.id;
-    fields["progress"] = job_.is_object() && job_.value("version", "") == id ? job_ : json(nullptr);
+    fields["progress"] =
+        look_.is_object() && look_.value("version", "") == id ? look_ : json(nullptr);
     const Looked& looked = looked_[id];
     const bool done = looked.ended() && looked.diagnose.is_object();
     if (!done && looked.trouble.empty() && !looked.cancelled) look(version);
@@ -279,11 +280,11 @@ void Desk::said(const LookJob& job, const json& event) {
   const std::lock_guard lock(mutex_);
   if (!is_open(job.opened, version)) return;
   if (event.contains("done")) {
-    job_ = {{"what", event.value("what", "")},
-            {"done", event.value("done", 0)},
-            {"of", event.value("of", 0)},
-            {"version", version}};
-    if (what == "progress") events_.publish("progress", job_);
+    look_ = {{"what", event.value("what", "")},
+             {"done", event.value("done", 0)},
+             {"of", event.value("of", 0)},
+             {"version", version}};
+    if (what == "progress") events_.publish("progress", look_);
   }
   Looked& looked = looked_[version];
   const fs::path folder = session_->cache(version);
@@ -296,7 +297,7 @@ void Desk::said(const LookJob& job, const json& event) {
     looked.search = json_of(folder / "search.json");
     json fields = search_json(looked);
     fields["version"] = version;
-    fields["progress"] = job_;
+    fields["progress"] = look_;
     events_.publish("search", fields);
   }
 }
@@ -305,7 +306,7 @@ void Desk::ended(const LookJob& job, const std::string& trouble, bool cancelled)
   const std::string& version = job.version;
   const std::lock_guard lock(mutex_);
   if (!is_open(job.opened, version)) return;
-  job_ = nullptr;
+  look_ = nullptr;
   Looked& looked = looked_[version];
   looked.read(session_->cache(version));
   looked.trouble = trouble;

@@ -95,8 +95,9 @@ class Desk {
   std::map<std::string, Looked> looked_;
   mutable std::vector<int> lines_;  // Of all rows of the set; empty: not known yet.
   nlohmann::json set_;              // What is known of it before any look.
-  nlohmann::json job_;
-  std::string command_;  // What the last click was.
+  nlohmann::json job_;              // A change that is computed, and how far it is; null: none.
+  nlohmann::json look_;             // The same of a look.
+  std::string command_;             // What the last click was.
   nlohmann::json recent_ = nlohmann::json::array(), samples_ = nlohmann::json::array();
   std::unique_ptr<Looking> looking_;  // The last: it calls the others.
 };

@@ -67,7 +67,7 @@ class Session {
   // Writes the next state, with its left-out.csv, and then has it. Throws Refusal (507) where that
   // cannot be written, or a model of a version is gone: all is as before.
   void save(SessionState next);
-  // A model or formula of a version that `save` will tell of. Throws Refusal (507).
+  // A model or formula of a version that is saved next. Throws Refusal (507).
   void write_part(const std::string& name, const std::string& text) const;
   // The same of what is no step of the work (a selection): the revision stays.
   void keep(SessionState next);
