@@ -434,6 +434,9 @@ class Workbench(OfTheRoom):
                 self.assertEqual(len(pixels), 3 * head["width_px"] * head["height_px"])
                 return head, pixels
 
+            fitted = page.looked_at("001")["effects"]["pinhole"]  # What is free is shown as it was fitted.
+            for parameter in sliders[0]["parameters"]:
+                self.assertEqual(parameter["value"], fitted[parameter["name"]]["value"])
             head, plain = seen({})
             self.assertEqual((head["width_px"], head["height_px"]), (178, 144))
             self.assertEqual(seen({"rolling_shutter": {"line_delay_s": 0}})[1], plain)

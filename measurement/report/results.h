@@ -15,6 +15,8 @@ std::string compare_json(const Problem& problem, const CompareResult& result,
                          const Doubts& doubts = {});
 std::string diagnose_json(const Problem& problem, const SearchResult& result,
                           const Doubts& doubts = {});
+// Of the same the candidates and what is not testable alone, in a search that goes on.
+std::string looks_json(const SearchResult& result);
 std::string discover_json(const Problem& problem, const SearchResult& result,
                           const Doubts& doubts = {});
 std::string compare_text(const Problem& problem, const CompareResult& result,

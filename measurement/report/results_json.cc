@@ -166,12 +166,8 @@ ordered_json candidates_json(const SearchResult& result, const Assessment& befor
                           {"log_likelihood_gain", finite_or_null<ordered_json>(c.gain_ll)},
                           {"parameters", parameters_json(after, c.effect->name)},
                           {"indistinguishable_from", c.indistinguishable_from}};
-    if (!c.companions.empty()) {
-      ordered_json with = ordered_json::object();
-      for (const auto& companion : c.companions)
-        with[companion->name] = parameters_json(after, companion->name);
-      entry["with"] = with;
-    }
+    for (const auto& companion : c.companions)
+      entry["with"][companion->name] = parameters_json(after, companion->name);
     if (c.at_bound) entry["at_bound"] = true;
     if (c.found) entry["found"] = true;
     if (!c.stands_in_for.empty()) entry["stands_in_for"] = c.stands_in_for;
@@ -179,6 +175,12 @@ ordered_json candidates_json(const SearchResult& result, const Assessment& befor
     list.push_back(entry);
   }
   return list;
+}
+
+ordered_json of_first_look(const SearchResult& result) {
+  std::vector<Candidate> candidates = result.first.candidates;
+  std::erase_if(candidates, [](const Candidate& c) { return c.trace; });
+  return candidates_json(result, result.base.assessment, candidates);
 }
 
 // What is significant but not material.
@@ -272,6 +274,11 @@ void add_looked_for(ordered_json& json, const Problem& problem, const SearchResu
   json["looked_for"] = std::move(list);
 }
 
+std::string looks_json(const SearchResult& result) {
+  return dumped({{"candidates", of_first_look(result)},
+                 {"not_testable", not_testable_json(result.first.not_testable)}});
+}
+
 std::string diagnose_json(const Problem& problem, const SearchResult& result,
                           const Doubts& doubts) {
   const Assessment& base = result.base.assessment;
@@ -286,10 +293,7 @@ std::string diagnose_json(const Problem& problem, const SearchResult& result,
       {"verdict", result.verdict}};
   json["baseline"] = baseline_json(problem, base);
   add_noise(json, problem);
-  std::vector<Candidate> candidates;
-  std::copy_if(result.first.candidates.begin(), result.first.candidates.end(),
-               std::back_inserter(candidates), [](const Candidate& c) { return !c.trace; });
-  json["candidates"] = candidates_json(result, base, candidates);
+  json["candidates"] = of_first_look(result);
   add_unnamed(json, result);
   add_looked_for(json, problem, result);
   const bool unexplained = result.verdict == "unexplained_structure";

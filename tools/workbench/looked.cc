@@ -3,6 +3,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "effects/registry.h"
 #include "tools/workbench/formula.h"
 
 namespace seam::tools {
@@ -42,6 +43,12 @@ json search_json(const Looked& looked) {
     }
     if (looked.diagnose.contains("suggestion"))
       fields["suggestion"] = with_formula_text(looked.diagnose["suggestion"]);
+  }
+  for (const char* key : {"candidates", "prospects"}) {
+    for (json& one : fields[key]) {
+      const auto effect = effects::find_effect(one.value("effect", ""));
+      if (effect) one["help"] = effect->help;
+    }
   }
   if (looked.cancelled) fields["cancelled"] = true;
   if (!looked.trouble.empty()) fields["trouble"] = looked.trouble;

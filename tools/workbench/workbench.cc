@@ -154,7 +154,6 @@ class Workbench {
     using Files = std::vector<std::string>;
     get_file("rows", "application/octet-stream",
              [](const Request&) -> Files { return {"rows.bin"}; });
-    get_file("data", "application/json", [](const Request&) -> Files { return {"data.json"}; });
     get_file("preview", "application/octet-stream", [](const Request& request) -> Files {
       const std::string effect = effect_in(request);
       return {"fit-" + effect + ".bin", "step-" + effect + ".bin"};
@@ -233,14 +232,26 @@ class Workbench {
     });
   }
 
+  // A version as its rows are judged: what is free in it has its fitted values, once they are
+  // known.
+  effects::Model as_fitted(const std::string& version) {
+    auto model = effects::Model::from_file(desk_.model(version));
+    try {
+      const auto file = desk_.computed(version, {"model.json"});
+      if (!file.empty()) take_values(model, json_of(file));
+    } catch (const Refusal&) {  // It was not compared: the model as it stands.
+    }
+    return model;
+  }
+
   void add_seeing() {
     server_.get("/api/see", [this](const Request& request, Response& response) {
-      const auto model = effects::Model::from_file(desk_.model(request.get_param_value("version")));
-      answer_json(response, {{"effects", sliders_json(model)}});
+      answer_json(response,
+                  {{"effects", sliders_json(as_fitted(request.get_param_value("version")))}});
     });
     server_.post("/api/see", [this](const Request& request, Response& response) {
       const Body body(request);
-      auto model = effects::Model::from_file(desk_.model(body.text("version")));
+      auto model = as_fitted(body.text("version"));
       change_parameters(model, body.get<json>("changes"));
       const auto set = measurement::MeasurementSet::open(desk_.set_folder());
       const std::lock_guard one_at_a_time(seeing_);  // Each takes all cores, and memory.

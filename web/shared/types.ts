@@ -23,6 +23,8 @@ export interface Candidate {
   found?: boolean;
   at_bound?: boolean;
   why?: string;
+  /** What the effect is. */
+  help?: string;
   /** Effects added with it as one move, with their parameters. */
   with?: Record<string, Parameters>;
   significant?: boolean;

@@ -1,16 +1,29 @@
 // Measurement sets that the program itself makes: the tutorial's, and a servo's log of any length; and what is to be found in the
 // samples of the workbench.
-import { cpSync, mkdirSync, writeFileSync } from "node:fs";
+import { cpSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 
 /** The cause in each sample, and a sample's title. */
 export const samples = { servo: "servo_lag", flats: "vignetting", walk: "odometry_scale" };
 export const titles = { servo: /A servo follows sines/, flats: /Flat fields of a camera/, walk: /A robot walks/ };
 
-/** Makes the room into the folder; `seam(arguments)` runs the program. */
-export function makeRoom(folder, source, seam) {
-  const tutorial = join(source, "docs/tutorial");
-  seam(["measure", "--model", join(tutorial, "robot.yaml"), "--protocol", join(tutorial, "room"), "--seed", "1", "--out", folder]);
+/** Writes the room's protocol with each point so many times, a few centimetres apart. */
+function crowd(from, to, times) {
+  cpSync(from, to, { recursive: true });
+  const [header, ...rows] = readFileSync(join(from, "points.csv"), "utf8").trim().split("\n");
+  const more = rows.flatMap((row, i) => {
+    const [frame, time, point, ...place] = row.split(",");
+    return Array.from({ length: times }, (_, k) => [frame, time, Number(point) * times + k,
+      ...place.map((value, axis) => (Number(value) + 0.04 * Math.sin(7.1 * k + 3.3 * i + axis)).toFixed(4))].join(","));
+  });
+  writeFileSync(join(to, "points.csv"), `${[header, ...more].join("\n")}\n`);
+}
+
+/** Makes the room into the folder, with each point so many `times`; `seam(arguments)` runs the program. */
+export function makeRoom(folder, source, seam, times = 1) {
+  const tutorial = join(source, "docs/tutorial"), protocol = times > 1 ? `${folder}.protocol` : join(tutorial, "room");
+  if (times > 1) crowd(join(tutorial, "room"), protocol, times);
+  seam(["measure", "--model", join(tutorial, "robot.yaml"), "--protocol", protocol, "--seed", "1", "--out", folder]);
   cpSync(join(tutorial, "nominal.yaml"), join(folder, "nominal.yaml"));
 }
 

@@ -159,7 +159,7 @@ function Option({ candidate: c, weak = false }: { candidate: Candidate; weak?: b
   const chosen = pointed.value === c.effect;
   const waits = c.rank === undefined;
   return (
-    <div id={idOf(c.effect)} role="option" aria-selected={chosen} class={`option${weak ? " weak" : ""}`}
+    <div id={idOf(c.effect)} role="option" aria-selected={chosen} class={`option${weak ? " weak" : ""}`} title={c.help}
       onPointerEnter={(e) => e.pointerType === "mouse" && moved(e) && point(c.effect, false)}
       onClick={() => {
         point(c.effect, true);

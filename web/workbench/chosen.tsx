@@ -1,5 +1,6 @@
 // The chosen rows: where they are in the file, their residuals, and leaving them out with a reason.
 import { signal } from "@preact/signals";
+import { useLayoutEffect, useRef } from "preact/hooks";
 import { count, number, splitUnit, words } from "../shared/format";
 import { Rich } from "../shared/rich";
 import { DataTable, type Column } from "../shared/table";
@@ -8,7 +9,9 @@ import { choose, clearSelection, rowsOf, selection } from "./selection";
 import { leaveOut, look, session, takeBack, view } from "./store";
 
 const reason = signal("");
-const asking = signal(false);
+/** Of which version rows are about to be left out. */
+const asking = signal("");
+const shownVersion = () => `${session.value?.set?.folder} ${session.value?.current}`;
 const listed = 60;
 
 export function Chosen() {
@@ -63,28 +66,34 @@ function Rules() {
 }
 
 function LeaveOut() {
-  if (!asking.value) {
+  if (asking.value !== shownVersion()) {
     return (
       <div class="actions">
-        <button type="button" onClick={() => (asking.value = true)}>Leave out …</button>
+        <button type="button" onClick={() => (asking.value = shownVersion())}>Leave out …</button>
         <button type="button" class="link" onClick={clearSelection}>choose none</button>
       </div>
     );
   }
+  return <Reason />;
+}
+
+function Reason() {
+  const field = useRef<HTMLInputElement>(null);
+  useLayoutEffect(() => field.current!.focus(), []);
   const submit = async (event: Event) => {
     event.preventDefault();
     if (await leaveOut(reason.value.trim())) {
       reason.value = "";
-      asking.value = false;
+      asking.value = "";
     }
   };
   return (
-    <form class="reason" onSubmit={submit}>
+    <form class="reason" onSubmit={submit} onKeyDown={(e) => e.key === "Escape" && (asking.value = "")}>
       <label>Why these rows are left out
-        <input value={reason.value} required minLength={3} placeholder="the board moved in frame 12"
-          ref={(element) => element?.focus()} onInput={(e) => (reason.value = e.currentTarget.value)} /></label>
+        <input value={reason.value} required minLength={3} placeholder="the board moved in frame 12" ref={field}
+          onInput={(e) => (reason.value = e.currentTarget.value)} /></label>
       <button type="submit" class="primary">Leave out</button>
-      <button type="button" onClick={() => (asking.value = false)}>Keep them</button>
+      <button type="button" onClick={() => (asking.value = "")}>Keep them</button>
     </form>
   );
 }

@@ -3,7 +3,7 @@ import { signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { number } from "../shared/format";
 import * as api from "./api";
-import { makeEditor, type Editor } from "./editor";
+import type { Editor } from "./editor";
 import { applyFormula, busy, screen, searched, version } from "./store";
 
 const stages = signal<api.Stage[] | null>(null);
@@ -31,9 +31,12 @@ async function read(): Promise<void> {
   }
 }
 
+/** What stands in the editor where nothing was written. */
+let example = "";
+
 function setStage(next: api.Stage | undefined): void {
   stage.value = next?.name ?? "";
-  if (next && !text.value.trim()) text.value = next.form;
+  if (next && (!text.value.trim() || text.value === example)) text.value = example = next.form;
 }
 
 export function FormulaScreen() {
@@ -71,15 +74,21 @@ function Text({ stage: now }: { stage?: api.Stage }) {
   const holder = useRef<HTMLDivElement>(null);
   const editor = useRef<Editor | null>(null);
   useEffect(() => {
-    editor.current = makeEditor(holder.current!, text.value, () => now?.variables ?? [], async (written) => {
+    let gone = false;
+    // Of its own: who writes no formula does not wait for it.
+    void import("./editor").then(({ makeEditor }) => gone || (editor.current = makeEditor(holder.current!, text.value, () => now?.variables ?? [], async (written) => {
       text.value = written;
       if (!written.trim()) return [];
       checked.value = await api.checkFormula(stage.value, name.value, written).catch((error: Error) =>
         ({ ok: false, error: error.message }));
       const { ok, error, line, column } = checked.value;
       return ok ? [] : [{ line: line ?? 1, column: column ?? 1, text: error ?? "The formula is not right." }];
-    });
-    return () => editor.current?.destroy();
+    })), (error: Error) => (failed.value = error.message));
+    return () => {
+      gone = true;
+      editor.current?.destroy();
+      editor.current = null;
+    };
   }, [now]);
   useEffect(() => editor.current?.set(text.value), [text.value]);
   return <div class="editor" ref={holder} />;

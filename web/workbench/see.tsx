@@ -26,9 +26,12 @@ async function readSliders(id: string): Promise<void> {
   }
 }
 
+/** The set, and which of its versions were fitted: others are drawn as they stand. */
+const known = () => [session.value!.set!.folder, ...session.value!.versions.map((one) => Number(one.error !== null))].join(" ");
+
 function show(): void {
   const id = version.value?.id;
-  if (id) want({ set: session.value!.set!.folder, before: other(), after: id, changes: changes.value, headRate_radps: headRate.value * Math.PI / 180 });
+  if (id) want({ set: known(), before: other(), after: id, changes: changes.value, headRate_radps: headRate.value * Math.PI / 180 });
 }
 
 export function SeeScreen() {
@@ -38,12 +41,12 @@ export function SeeScreen() {
     seen.value = null;
     void readSliders(id);
   }, [id, folder]);
-  useEffect(show, [id, folder, before.value, changes.value, headRate.value]);
+  useEffect(show, [id, known(), before.value, changes.value, headRate.value]);
   return (
     <div class="page see-screen">
       <h1>See it</h1>
       <p class="lead">A chessboard between two posts, as the camera of a model shows it while the head turns. Left the model without
-        your changes, in the middle with them, on the right what differs.</p>
+        your changes, then with them, then what differs. What is free in a model has its fitted values.</p>
       {unseen.value && <p class="trouble" role="alert">{unseen.value}</p>}
       <Frames />
       <div class="see-controls">

@@ -5,7 +5,7 @@ import * as api from "./api";
 export type Changes = Record<string, Record<string, number>>;
 
 export interface Wanted {
-  /** The folder: versions of two sets may have one name. */
+  /** The folder, and what of its versions is known: versions of two sets may have one name, and fits change their values. */
   set: string;
   before: string;
   after: string;

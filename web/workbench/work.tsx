@@ -50,6 +50,7 @@ function SheetHandle() {
 function Context() {
   const shown = preview.value, item = look.value, now = version.value;
   if (shown) {
+    const help = searched.value && ranked(searched.value).find((one) => one.effect === shown.effect)?.help;
     return (
       <div class="context previewing" data-preview={shown.effect} data-how={shown.how}>
         <div class="says">
@@ -61,6 +62,7 @@ function Context() {
           </span>
           <span class="quiet" role="status">{shown.how === "fitting" ? "fitting …" : shown.how === "linear" ? "by one linear step"
             : shown.how === "failed" ? shown.why : "fitted"}</span>
+          {help && <p class="small quiet what">{help}</p>}
         </div>
         <div class="actions">
           {shown.error !== null && <span class="num error-change">error {number(now?.error, 4)} → <b>{number(shown.error, 4)}</b></span>}

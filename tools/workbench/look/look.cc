@@ -9,7 +9,6 @@
 #include <optional>
 
 #include "measurement/numerics/parallel_for.h"
-#include "measurement/report/data_pictures.h"
 #include "measurement/report/finite_or_null.h"
 #include "measurement/report/report_data.h"
 #include "measurement/search/models/compare.h"
@@ -121,9 +120,6 @@ class Looker {
                  : table_->rows(view, view, data));
     write_whole("frames.bin", measured_frames(*problem_, set_));
     write_whole("predicted.bin", predicted_frames(*problem_, set_, fitted));
-    json plots = json::object();
-    append_data_pictures(*problem_, set_, view, nullptr, plots);
-    write("data.json", plots.dump());
   }
 
   void tell_set() {
@@ -225,8 +221,7 @@ class Looker {
   std::string search_text(bool ended) {
     for (Candidate& candidate : result_.first.candidates) candidate.indistinguishable_from.clear();
     rank_candidates(result_.first.candidates);
-    const json fields = json::parse(diagnose_json(*problem_, result_));
-    json search = {{"candidates", fields["candidates"]}, {"not_testable", fields["not_testable"]}};
+    json search = json::parse(looks_json(result_));
     search["ties"] = ties_of(*problem_, result_.first.candidates);
     search["prospects"] = json::array();  // Of those that wait for their fit.
     for (const size_t i : order_) {

@@ -9,7 +9,7 @@
 namespace seam::tools {
 
 // Writes into `out`: compare.json,
-// set.json, model.json, data.json, rows.bin, then search.json anew with each candidate, and
+// set.json, model.json, rows.bin, then search.json anew with each candidate, and
 // fit-EFFECT.bin for each. Says each on standard output, a line of JSON.
 void look_into(const AnalysisFlags& flags, const std::filesystem::path& out);
 

@@ -175,6 +175,19 @@ SeenFrame see(const Model& whole, const SeeSettings& settings) {
   return {frame.width_px, frame.height_px, std::move(frame.rgb)};
 }
 
+void take_values(Model& model, const json& effects) {
+  for (const ModelEffect& effect : std::vector<ModelEffect>(model.effects())) {
+    const std::string& name = effect.definition->name;
+    if (!effects.contains(name)) continue;
+    for (size_t i = 0; i < effect.parameters.size(); ++i) {
+      const effects::Parameter& parameter = effect.definition->parameters[i];
+      const json value = effects[name].value(parameter.name, json::object()).value("value", json());
+      if (value.is_number())
+        model.set_value(name, i, std::clamp(value.get<double>(), parameter.min, parameter.max));
+    }
+  }
+}
+
 void change_parameters(Model& model, const json& changes) {
   if (!changes.is_object()) throw UsageError("changes: expected {EFFECT: {PARAMETER: VALUE}}");
   for (const auto& [name, values] : changes.items()) {

@@ -24,6 +24,9 @@ struct SeenFrame {
 // Throws InputError where the model gives no image of this size.
 SeenFrame see(const effects::Model& model, const SeeSettings& settings);
 
+// Of the model's parameters those that are given, as {EFFECT: {PARAMETER: {value}}}.
+void take_values(effects::Model& model, const nlohmann::json& effects);
+
 // Sets parameters, as {EFFECT: {PARAMETER: VALUE}}; an effect that is absent is added. Throws
 // UsageError for an unknown name and a value that is out of bounds.
 void change_parameters(effects::Model& model, const nlohmann::json& changes);
