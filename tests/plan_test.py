@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """`seam plan`, and what then is measured: plan_test.py SEAM SOURCE_DIR [unittest arguments]."""
 import json
+import math
 import pathlib
+import random
 import shutil
 import subprocess
 import sys
@@ -122,6 +124,40 @@ class Plan(unittest.TestCase):
         why = {n["effect"]: n["why"] for n in plan["not_planned"]}
         self.assertIn("moves no prediction", " ".join(why.values()), text)
         self.assertEqual(self.effect("rolling_shutter", plan)["smallest_found"], self.effect("rolling_shutter")["smallest_found"])
+
+    def test_a_board_with_unknown_poses_stands_for_itself(self):
+        board = self.folder / "board"
+        board.mkdir()
+        noise = random.Random(3)
+        rows = ["frame,time_s,point,x_m,y_m,z_m,u_px,v_px"]
+        for frame in range(12):
+            turn, tip = 0.5 * frame, 0.7 - 0.1 * frame
+            for point in range(48):
+                x, y = 0.03 * (point % 8) - 0.105, 0.03 * (point // 8) - 0.075
+                x_C, along = x * math.cos(turn) - y * math.sin(turn), x * math.sin(turn) + y * math.cos(turn)
+                y_C, z_C = along * math.cos(tip), 0.5 + along * math.sin(tip)
+                u, v = 400 * x_C / z_C + 320, 400 * y_C / z_C + 240
+                rows.append(f"{frame},{frame}.0,{point},{x},{y},0,{u + noise.gauss(0, 0.1):.4f},{v + noise.gauss(0, 0.1):.4f}")
+        (board / "points.csv").write_text("\n".join(rows) + "\n")
+        (board / "measurement.yaml").write_text(
+            "format: seam-measurement/1\nkind: points\ntitle: board\ncamera: {width_px: 640, height_px: 480}\n"
+            "group: frame\nfiles: {points: points.csv}\nrig: {pose: unknown}\nnoise: {u_px: 0.1, v_px: 0.1}\n")
+        (board / "nominal.yaml").write_text("format: seam-model/1\nname: nominal\neffects:\n  pinhole: {" + ", ".join(
+            f"{name}: {{value: {value}, free: true}}" for name, value in
+            (("fx_px", 400), ("fy_px", 400), ("cx_px", 320), ("cy_px", 240))) + "}\n")
+        result = self.folder / "board.json"
+        code, text = seam("plan", "--model", board / "nominal.yaml", "--protocol", board, "--json", result,
+                          "--effects", "radial_distortion,pinhole")
+        self.assertEqual(code, 0, text)
+        plan = json.loads(result.read_text(encoding="utf-8"))
+        # The motion of the views is nobody's protocol: more of them is all that may change.
+        self.assertEqual([c["change"] for c in plan["changes"]], ["twice as many frames", "four times as many frames"])
+        fitted = self.folder / "fitted.json"
+        code, text = seam("fit", "--model", board / "nominal.yaml", "--data", board, "--out", self.folder / "board.yaml", "--json", fitted)
+        self.assertEqual(code, 0, text)
+        own = json.loads(fitted.read_text(encoding="utf-8"))["parameters"]
+        for name, planned in self.effect("pinhole", plan)["parameters"].items():
+            self.assertAlmostEqual(planned["sigma"] / own["pinhole." + name]["sigma"], 1, delta=0.15, msg=name)
 
     def test_what_is_wrong_is_told(self):
         def refused(code, said, *arguments):

@@ -172,6 +172,11 @@ class Strange(_OfTheRoom):
                 pass
         self.assertFalse(self.session.exists())
 
+    def test_the_folder_of_the_set_is_no_session(self):
+        with self.assertRaisesRegex(AssertionError, "the folder of the set itself"):
+            with self.page(self.data, "--session", self.data):
+                pass
+
     def test_a_name_that_is_no_text(self):
         other = os.fsencode(self.folder) + b"/room\xff"
         shutil.copytree(os.fsencode(self.data), other)

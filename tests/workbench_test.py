@@ -250,6 +250,7 @@ class Workbench(OfTheRoom):
             revision = page.state["revision"]
             for what, content in (("add", b"{"), ("add", b"[]"), ("add", b"{}"), ("add", b"\xff\xfe"), ("cancel", b'"text"'),
                                   ("add", b'{"revision": "one", "effect": "rolling_shutter"}'),
+                                  ("undo", b'{"revision": 1.5}'), ("undo", b'{"revision": -1}'),
                                   ("note", b'{"revision": 1e999, "version": "001", "note": ""}'),
                                   ("undo", b"[" * 1000 + b"]" * 1000), ("formula/check", b'{"stage": 1}'),
                                   ("plan", b'{"effects": "rolling_shutter"}'),

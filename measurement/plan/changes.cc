@@ -9,6 +9,7 @@
 
 #include "effects/kind.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/sets/rig.h"
 
 namespace seam::measurement {
 namespace {
@@ -62,6 +63,11 @@ std::vector<double> wider(const CsvTable& table, double factor) {
 }
 
 }  // namespace
+
+bool needs_its_measurements(const MeasurementSet& protocol) {
+  return protocol.kind == "points" && !protocol.has_file("poses") &&
+         Rig::from_set(protocol).type() == Rig::Type::unknown;
+}
 
 std::vector<ProtocolChange> changes_of(const MeasurementSet& protocol) {
   std::vector<ProtocolChange> changes = {

@@ -17,6 +17,10 @@ struct ProtocolChange {
   double wider = 1;    // Commands differ by so much more from their mean.
 };
 
+// Whether its own measurements alone say where the camera was (a board's views with unknown poses):
+// such a set stands for itself, since no other one can be made by its protocol.
+bool needs_its_measurements(const MeasurementSet& protocol);
+
 // Those that make sense for the protocol's kind and rig.
 std::vector<ProtocolChange> changes_of(const MeasurementSet& protocol);
 

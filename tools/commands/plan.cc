@@ -52,16 +52,27 @@ class PlannedSets {
 
   const measurement::MeasurementSet& protocol() const { return protocol_; }
 
+  // By the protocol as it is: errors have the names of its own files.
+  std::unique_ptr<measurement::Problem> made() {
+    if (measurement::needs_its_measurements(protocol_))
+      return measurement::open_problem(protocol_.folder, instruments_);
+    return made_by(protocol_, next_folder());
+  }
   std::unique_ptr<measurement::Problem> made(const measurement::ProtocolChange& change) {
-    const std::filesystem::path folder = scratch_.path() / std::to_string(count_++);
-    const std::filesystem::path changed = folder / "protocol", set = folder / "set";
-    measurement::write_changed(protocol_, change, changed);
-    measurement::measure_set(model_, measurement::MeasurementSet::open(changed),
-                             {.seed = seed_, .out = set}, instruments_);
-    return measurement::open_problem(set, instruments_);
+    const std::filesystem::path folder = next_folder();
+    measurement::write_changed(protocol_, change, folder / "protocol");
+    return made_by(measurement::MeasurementSet::open(folder / "protocol"), folder);
   }
 
  private:
+  std::filesystem::path next_folder() { return scratch_.path() / std::to_string(count_++); }
+  std::unique_ptr<measurement::Problem> made_by(const measurement::MeasurementSet& protocol,
+                                                const std::filesystem::path& folder) {
+    measurement::measure_set(model_, protocol, {.seed = seed_, .out = folder / "set"},
+                             instruments_);
+    return measurement::open_problem(folder / "set", instruments_);
+  }
+
   const effects::Model& model_;
   measurement::MeasurementSet protocol_;
   measurement::Instruments instruments_;
@@ -101,7 +112,7 @@ measurement::WholePlan planned(const PlanFlags& flags, const effects::Model& mod
   if (!pair.empty() &&
       std::find(options.effects.begin(), options.effects.end(), pair[0]) == options.effects.end())
     options.effects.push_back(pair[0]);
-  const auto problem = sets.made({});
+  const auto problem = sets.made();
   say_work("planning");
   const measurement::Planner planner(*problem, model, options);
   measurement::WholePlan whole{

@@ -14,6 +14,8 @@ std::string trouble_of(const Child::Ended& ended) {
   const size_t line = text.rfind("\nseam: ");
   if (line != std::string::npos) text.erase(0, line + 1);
   if (text.starts_with("seam: ")) text.erase(0, 6);
+  if (text.empty() && ended.code == 137)
+    return "the system ended the command, perhaps because memory ran out";
   return text.empty() ? fmt::format("the command ended with code {}", ended.code) : text;
 }
 

@@ -50,7 +50,11 @@ class Body {
       throw UsageError(fmt::format("{}: found none or another kind of value", name));
     }
   }
-  uint64_t revision() const { return get<uint64_t>("revision"); }
+  uint64_t revision() const {
+    if (!get<json>("revision").is_number_unsigned())
+      throw UsageError("revision: expected the state's own");
+    return get<uint64_t>("revision");
+  }
   std::string text(const char* name) const { return get<std::string>(name); }
   Desk::Ranges ranges() const {
     for (const json& range : get<json>("ranges")) {

@@ -116,11 +116,14 @@ Session::Session(fs::path folder, const fs::path& data, const Session* before)
   const fs::path set = fs::canonical(data);
   expect_text(set);
   expect_text(folder_);
+  std::error_code other;
+  if (fs::equivalent(folder_, set, other))
+    throw UsageError(fmt::format("--session {}: is the folder of the set itself: name another one",
+                                 folder_.string()));
   const fs::path file = path_inside(folder_, kSession);
   const bool is_new = !fs::exists(file);
   const fs::path nominal = is_new ? nominal_of(set) : "";
   if (is_new) make_output_folder(folder_);
-  std::error_code other;
   lock_ = before && fs::equivalent(before->folder_, folder_, other)
               ? before->lock_
               : std::make_shared<const FolderLock>(folder_);
