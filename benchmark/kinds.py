@@ -12,6 +12,7 @@ SORTS = {"boards": boards, "videos": videos, "servos": servos, "motors": motors,
 # Causes that people have, each alone in the sets of a sort.
 CAUSES = [f"{sort}+{cause}" for sort, causes in {
     "boards": ("focal_drift",), "videos": ("focal_drift",), "landmarks": ("mount_offset",),
+    "motors": ("friction_asymmetry", "motor_heating"), "servos": ("gear_ripple",),
     "walks": ("tracker_offset", "turn_asymmetry")}.items() for cause in causes]
 
 

@@ -27,7 +27,10 @@ class Joint:
         self.most = effects.get("torque_limit", {}).get("rad_per_s2", math.inf)
         self.cogging = effects.get("cogging", {"rad_per_s2": 0, "a_turn": 0})
         self.warming = effects.get("warming motor", {}).get("per_s", 0)
-        self.time = 0.0
+        # By how much friction is more than its mean in motions to larger angles, and less in others.
+        self.unlike = effects.get("friction_asymmetry", {}).get("rad_per_s2", 0)
+        self.weaker = effects.get("motor_heating", {}).get("per_k", 0)
+        self.time = self.warmer = 0.0
 
     def pull(self, q, w, error, enabled):
         """Drive less load, and the dry friction that acts against the motion."""
@@ -35,6 +38,7 @@ class Joint:
         if enabled:
             duty = max(-1.0, min(1.0, self.gain * error))
             drive = self.stall * (1 - self.warming * self.time) * duty - self.back_emf * w
+            drive /= 1 + self.weaker * self.warmer  # The windings' resistance.
             drive = max(-self.most, min(self.most, drive))
         net = drive - self.gravity * math.cos(q - self.level)
         net -= self.cogging["rad_per_s2"] * math.sin(self.cogging["a_turn"] * q)
@@ -44,7 +48,7 @@ class Joint:
         """Runge and Kutta's step of fourth order, the friction against this sign."""
         def slope(a, b):
             net, friction = self.pull(a, b, kp * (command - a), enabled)
-            return net - sign * friction
+            return net - sign * (friction + sign * self.unlike)
         a1 = slope(q, w)
         a2 = slope(q + 0.5 * h * w, w + 0.5 * h * a1)
         a3 = slope(q + 0.5 * h * (w + 0.5 * h * a1), w + 0.5 * h * a2)
@@ -57,9 +61,9 @@ class Joint:
             h = min(INNER_S, left)
             if w == 0:
                 net, friction = self.pull(q, 0.0, kp * (command - q), enabled)
-                if abs(net) <= friction:
+                if self.unlike - friction <= net <= self.unlike + friction:
                     return q, 0.0
-                sign = math.copysign(1.0, net)
+                sign = math.copysign(1.0, net - self.unlike)
             else:
                 sign = math.copysign(1.0, w)
             next_q, next_w = self.step(q, w, command, kp, enabled, h, sign)
@@ -76,7 +80,7 @@ class Joint:
         return q, w
 
 
-def moved(effects, command, kp, enabled):
+def moved(effects, command, kp, enabled, warmer):
     """Angles at the rows, each just before the row's command acts."""
     joint, late = Joint(effects), effects.get("servo_latency", {}).get("latency_s", 0)
     q, w, active, angles, now = command[0], 0.0, None, [], 0.0
@@ -85,10 +89,11 @@ def moved(effects, command, kp, enabled):
     gain, on = kp, enabled[0]
     for time, what, k in events:
         if active is not None and time > now:
-            joint.time = now
+            joint.time, joint.warmer = now, warmer[row]
             q, w = joint.advance(q, w, active, gain, on, time - now)
         now = time
         if what == 0:
+            row = k
             angles.append(q)
         elif what == 2:
             active, on = command[k], enabled[k]  # The switch is part of the command, and as late.
@@ -114,7 +119,15 @@ def draw_effect(draw, name, motor, typical):
             "torque_limit": lambda: {"rad_per_s2": draw.uniform(0.45, 0.7) * most},
             "servo_latency": lambda: {"latency_s": draw.uniform(0.003, 0.02)},
             "cogging": lambda: {"rad_per_s2": typical * draw.uniform(0.15, 0.3), "a_turn": draw.choice((12, 16, 20))},
+            "friction_asymmetry": lambda: {"rad_per_s2": typical * draw.signed(0.03, 0.1)},
+            "motor_heating": lambda: {"per_k": draw.uniform(0.003, 0.006)},
             "warming motor": lambda: {"per_s": draw.uniform(0.1, 0.2)}}[name]()
+
+
+def temperatures(draw, runs):
+    """Of a motor that warms up from run to run, as its sensor says, degrees Celsius."""
+    at = np.arange(runs)[:, None] + np.arange(LENGTH) / LENGTH
+    return np.round(25 + draw.uniform(20, 45) * (1 - np.exp(-2 * at / runs)), 1)
 
 
 def freed(motor, draw):
@@ -126,7 +139,7 @@ def motors(plan):
     motor, rate, typical = draw_motor(draw)
     noise = draw.uniform(0.0003, 0.001)
     runs = 6
-    names = ["gravity_torque", "coulomb_friction"] if plan.course == "tie" else draw.sample(POSSIBLE, plan.count)
+    names = ["gravity_torque", "coulomb_friction"] if plan.course == "tie" else plan.names(draw, POSSIBLE)
     known = {} if plan.course == "tie" else {name: draw_effect(draw, name, motor, typical)
                                             for name in ("gravity_torque", "coulomb_friction") if name not in names}
     hidden = {name: draw_effect(draw, name, motor, typical) for name in names}
@@ -141,14 +154,17 @@ def motors(plan):
     gains = [GAINS[run % 3] for run in range(runs)]
     enabled = np.ones((runs, LENGTH), dtype=int)
     enabled[4, LENGTH // 3:LENGTH // 2] = 0  # Released: it swings freely.
-    angles = np.stack([moved(effects, command[run], gains[run], enabled[run]) for run in range(runs)])
+    warms = plan.cause == "motor_heating"
+    celsius = temperatures(draw.of("temperature"), runs) if warms else np.full((runs, LENGTH), 25.0)
+    warmer = celsius - np.median(celsius)
+    angles = np.stack([moved(effects, command[run], gains[run], enabled[run], warmer[run]) for run in range(runs)])
     angles = angles - traces.get("encoder_offset", {}).get("pan_rad", 0)
     measured = with_gross(draw.of("gross"), plan, angles + draw.of("noise").normal(noise, size=angles.shape))
-    table = rows("run,time_s,joint,command_rad,torque_enable,kp,measured_rad",
-                 ("d", ".3f", "s", ".5f", "d", "g", ".9f"),
+    table = rows("run,time_s,joint,command_rad,torque_enable,kp,measured_rad" + ",temperature_c" * warms,
+                 ("d", ".3f", "s", ".5f", "d", "g", ".9f") + (".1f",) * warms,
                  np.repeat(np.arange(runs), LENGTH).tolist(), np.tile(np.arange(LENGTH) * STEP_S, runs).tolist(),
                  ["joint"] * command.size, command.ravel().tolist(), enabled.ravel().tolist(),
-                 np.repeat(gains, LENGTH).tolist(), measured.ravel().tolist())
+                 np.repeat(gains, LENGTH).tolist(), measured.ravel().tolist(), *[celsius.ravel().tolist()] * warms)
     start = draw.of("nominal")
     if plan.course == "tie":
         # Not a tie but the long way: from an ideal servo, with all of the physics hidden.

@@ -12,7 +12,8 @@ LENGTH = 160
 # At most one of each line: effects of one line answer alike to most commands.
 FAMILIES = (("servo_lag", "servo_latency"), ("speed_limit",), ("stiction", "backlash"),
             ("gravity_sag", "encoder_scale"), ("encoder_quantisation",), ("joint_wander",))
-STRANGE = ("encoder's wave", "slow drift")
+STRANGE = ("gear_ripple", "slow drift")
+KNOWN = ("gear_ripple",)  # Which the catalogue has by now.
 
 
 def commands(draw, runs, kinds=4):
@@ -82,12 +83,12 @@ def logged(effects, q, t):
     q = q - sag.get("rad", 0) * np.cos(q - sag.get("level_rad", 0))
     q = q - effects.get("encoder_offset", {}).get("pan_rad", 0)
     q = q / (1 + effects.get("encoder_scale", {}).get("pan_scale", 0))
-    wave, drift = effects.get("encoder's wave", {}), effects.get("slow drift", {})
-    repeats = wave.get("rad", 0) * np.sin(wave.get("a_turn", 0) * q + wave.get("phase_rad", 0))
+    wave, drift = effects.get("gear_ripple", {}), effects.get("slow drift", {})
+    repeats = wave.get("amplitude_rad", 0) * np.sin(wave.get("per_turn", 0) * q + wave.get("phase_rad", 0))
     return q + repeats + drift.get("rad_per_s", 0) * t
 
 
-def draw_effect(draw, name, noise):
+def draw_effect(draw, name, noise, wide=False):
     return {"servo_lag": lambda: {"tau_s": draw.log_uniform(0.01, 0.08)},
             "servo_latency": lambda: {"latency_s": draw.uniform(0.004, 0.04)},
             "speed_limit": lambda: {"rad_per_s": draw.uniform(1.5, 5)},
@@ -98,8 +99,9 @@ def draw_effect(draw, name, noise):
             "encoder_offset": lambda: {"pan_rad": draw.signed(4, 20) * noise},
             "encoder_quantisation": lambda: {"step_rad": draw.choice((2 * math.pi / 4096, math.radians(300) / 1024))},
             "joint_wander": lambda: {"sigma_rad": draw.uniform(2, 6) * noise, "tau_s": draw.uniform(0.1, 0.5)},
-            "encoder's wave": lambda: {"rad": draw.uniform(4, 10) * noise, "a_turn": draw.choice((6, 8, 10)),
-                                       "phase_rad": draw.uniform(-3, 3)},
+            "gear_ripple": lambda: {"amplitude_rad": draw.uniform(*((1, 10) if wide else (4, 10))) * noise,
+                                    "per_turn": draw.log_uniform(4, 100) if wide else draw.choice((6, 8, 10)),
+                                    "phase_rad": draw.uniform(-3, 3)},
             "slow drift": lambda: {"rad_per_s": draw.signed(6, 15) * noise / (LENGTH * STEP_S)}}[name]()
 
 
@@ -135,10 +137,15 @@ def servos(plan):
     else:
         families = draw.sample(FAMILIES[:4] if plan.course in ("trace", "gross") else FAMILIES, plan.count)
         names = [draw.choice(family) for family in families]
+        if plan.cause:
+            names = plan.names(draw, ())
     stated = draw.chance(0.6) or bool({"encoder_quantisation", "joint_wander"} & set(names))
-    hidden = {name: draw_effect(draw, name, noise) for name in names}
+    hidden = {name: draw_effect(draw, name, noise, bool(plan.cause)) for name in names}
     strange = STRANGE[plan.turn % len(STRANGE)] if plan.course == "outside" else ""
-    effects = nominal | hidden | ({strange: draw_effect(draw, strange, noise)} if strange else {})
+    outside = {strange: draw_effect(draw, strange, noise)} if strange else {}
+    effects = nominal | hidden | outside
+    if strange in KNOWN:
+        hidden, strange = hidden | outside, ""
     times = np.arange(LENGTH) * STEP_S
     angles = np.stack([moved(effects, row) for row in command])
     traces = {}

@@ -23,12 +23,15 @@
   X(coulomb_friction)         \
   X(stribeck_friction)        \
   X(load_friction)            \
+  X(friction_asymmetry)       \
+  X(motor_heating)            \
   X(torque_limit)             \
   X(servo_latency)            \
   X(servo_lag)                \
   X(speed_limit)              \
   X(acceleration_limit)       \
   X(stiction)                 \
+  X(gear_ripple)              \
   X(gravity_sag)              \
   X(encoder_eccentricity)     \
   X(encoder_scale)            \

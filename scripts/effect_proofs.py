@@ -75,11 +75,11 @@ def rolled(legs, left=lambda w, v, omega: w, right=lambda w, v, omega: w):
 
 
 def swung(at_s, stall=200, back_emf=10, gain=0.5, damping=0, most=1, limit=math.inf, gravity=0, level=0, viscous=0,
-          coulomb=0, stribeck=0, slow=1, load=0, command=1, steps=40000):
+          coulomb=0, stribeck=0, slow=1, load=0, pull=0, command=1, steps=40000):
     """A motor's joint from rest at 0, in small steps of Runge and Kutta; where it does not come to rest on its way."""
     def acceleration(q, w):
         duty = min(max(gain * (command - q) - damping * w, -most), most)
-        net = min(max(stall * duty - back_emf * w, -limit), limit) - gravity * math.cos(q - level)
+        net = min(max(stall * duty - back_emf * w, -limit), limit) - gravity * math.cos(q - level) - pull
         way = w if w != 0 else net
         dry = coulomb + stribeck * math.exp(-abs(w) / slow) + load * abs(net)
         return net - viscous * w - math.copysign(dry, way)
@@ -182,6 +182,10 @@ PROOFS = [
     ("load_friction", [0.3, 0], STEP + [("at_s", 0.12)], {"joint_rad": "sprung(100 * (1 - p[0]), 10 * (1 - p[0]), 1, at_s)"}),
     ("load_friction", [0.05, 0.15], STEP + [("at_s", 0.3)], {"joint_rad": "swung(at_s, load=p[0] + p[1])"},
      SMALL_STEPS),
+    ("friction_asymmetry", [20], STEP + [("at_s", 0.2)], {"joint_rad": "sprung(100, 10, 1 - p[0] / 100, at_s)"}),
+    ("friction_asymmetry", [-30], STEP + [("at_s", 0.15)], {"joint_rad": "swung(at_s, pull=p[0])"}, SMALL_STEPS),
+    ("motor_heating", [0.005], STEP + [("warmer_k", 20), ("at_s", 0.2)], {"joint_rad": "sprung(100 / 1.1, 10 / 1.1, 1, at_s)"}),
+    ("motor_heating", [0.01], STEP + [("warmer_k", -30), ("at_s", 0.1)], {"joint_rad": "sprung(100 / 0.7, 10 / 0.7, 1, at_s)"}),
     ("torque_limit", [30], STEP + [("at_s", 0.1)], {"joint_rad": "p[0] * at_s ** 2 / 2"}),
     ("torque_limit", [40], STEP + [("at_s", 0.25)], {"joint_rad": "swung(at_s, limit=p[0])"}, SMALL_STEPS),
     ("servo_latency", [0.016], STEP + [("at_s", 0.015)], {"joint_rad": "0"}),
@@ -198,6 +202,8 @@ PROOFS = [
     ("stiction", [0.02], [("command_s", 0), ("command_rad", 0.015), ("at_s", 1)], {"joint_rad": "0"}),
     ("stiction", [0.02], STEP + [("limit_radps", 2), ("at_s", 1)], {"joint_rad": "1 - p[0]"}),
     ("stiction", [0.02], STEP + [("limit_radps", 2), ("at_s", 0.3)], {"joint_rad": "2 * at_s"}),
+    ("gear_ripple", [0.002, 40, 0.5], BACK + [("at_s", 0.05)], {"joint_rad": "0.5 + p[0] * math.sin(20.5)"}),
+    ("gear_ripple", [0.01, 7.5, -1], BACK + [("at_s", 0.2)], {"joint_rad": "0.2 + p[0] * math.sin(0.5)"}),
     ("gravity_sag", [0.02, 0], BACK + [("at_s", 0.05)], {"joint_rad": "0.5 - p[0] * math.cos(0.5)"}),
     ("gravity_sag", [0.1, 0.3], BACK + [("at_s", 0.2)], {"joint_rad": "0.2 - p[0] * math.cos(0.2 - p[1])"}),
     # Joints: from an encoder's log.

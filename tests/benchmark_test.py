@@ -80,6 +80,9 @@ class Generators(unittest.TestCase):
         for sort in ("boards", "servos", "landmarks"):
             for number, course in enumerate(COURSE):
                 made = kinds.SORTS[sort](Plan(sort, number))
+                if course == "outside" and made.hidden:  # A cause that the catalogue has by now.
+                    self.assertEqual(([*made.hidden], made.outside), (["gear_ripple"], ""), (sort, number))
+                    continue
                 self.assertEqual(bool(made.outside), course == "outside", (sort, number))
                 self.assertEqual(bool(made.traces), course == "trace", (sort, number))
                 self.assertEqual(len(made.hidden), Plan(sort, number).count, (sort, number))

@@ -15,6 +15,7 @@ HIDDEN = {
     "landmark_height": ("landmarks", "{landmark_height: {z_m: 0.5}}"),
     "mount_sag": ("points", "{mount_sag: {tilt_rad: 0.03}}"),
     "focal_drift": ("points", "{focal_drift: {per_s: 0.004}}"),
+    "gear_ripple": ("joints", "{gear_ripple: {amplitude_rad: 0.002, per_turn: 37.3, phase_rad: 0.5}}"),
 }
 
 
@@ -31,19 +32,24 @@ def test_studies(scratch):
         assert row["exact"]["hits"] == 1, (effect, row)
 
 
+def with_column(folder, table, name, value_of_row):
+    """Adds a column to a table of a set."""
+    with (folder / table).open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    for row in rows:
+        row[name] = value_of_row(row)
+    with (folder / table).open("w", newline="") as file:
+        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
 def with_exposures(folder):
     """The room of the tutorial, in which every second frame is exposed ten times as long."""
     folder.mkdir()
     for file in (source / "docs/tutorial/room").iterdir():
         (folder / file.name).write_bytes(file.read_bytes())
-    with (folder / "points.csv").open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    for row in rows:
-        row["exposure_s"] = 0.02 if int(row["frame"]) % 2 else 0.002
-    with (folder / "points.csv").open("w", newline="") as file:
-        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    with_column(folder, "points.csv", "exposure_s", lambda row: 0.02 if int(row["frame"]) % 2 else 0.002)
     return folder
 
 
@@ -67,6 +73,40 @@ def test_stamps_of_exposures(scratch):
     assert refused.returncode == 1 and "exposure_s" in refused.stderr, refused
 
 
-for test in (test_stamps_of_exposures, test_studies):
+def write_model(path, effects):
+    path.write_text(f"format: seam-model/1\nname: made\neffects:\n{effects}")
+    return path
+
+
+def test_motors(scratch):
+    """Steps of a motor at two gains that warms up from run to run, with and without its temperatures."""
+    protocol = scratch / "moves"
+    protocol.mkdir()
+    rows = ["run,time_s,joint,command_rad,kp"]
+    for run in range(6):
+        for k in range(120):
+            command = ((7 * run + 5 * (k // 40)) % 9 - 4) * 0.25 if k > 1 else 0
+            rows.append(f"{run},{0.01 * k:.2f},arm,{command},{1 + run % 2}")
+    (protocol / "joints.csv").write_text("\n".join(rows) + "\n")
+    (protocol / "measurement.yaml").write_text("format: seam-measurement/1\nkind: joints\ntitle: moves\n"
+                                               "noise: {measured_rad: 0.0005}\ngroup: run\nfiles: {joints: joints.csv}\n")
+    motor = "  motor_servo: {stall_rad_per_s2: 200, back_emf_per_s: 10, gain: 0.3}\n"
+    nominal = write_model(scratch / "motor.yaml", motor)
+    ask("measure", "--model", nominal, "--protocol", protocol, "--seed", "4", "--out", scratch / "plain")
+    refused = subprocess.run([seam, "add", "motor_heating", "--model", nominal, "--data", scratch / "plain", "--out",
+                              scratch / "no.yaml"], capture_output=True, text=True)
+    assert refused.returncode == 1 and "temperature_c" in refused.stderr, refused
+    with_column(protocol, "joints.csv", "temperature_c", lambda row: 25 + 7 * int(row["run"]))
+    for effect, parameter, value in (("motor_heating", "per_k", 0.004), ("friction_asymmetry", "rad_per_s2", -1.5)):
+        truth = write_model(scratch / f"{effect}.yaml", motor + f"  {effect}: {{{parameter}: {value}}}\n")
+        ask("measure", "--model", truth, "--protocol", protocol, "--seed", "4", "--out", scratch / effect)
+        ask("discover", "--model", nominal, "--data", scratch / effect, "--out", scratch / "found.yaml", "--json",
+            scratch / "found.json")
+        found = {step["effect"]: step for step in json.loads((scratch / "found.json").read_text())["steps"]}
+        assert list(found) == [effect], found
+        assert abs(found[effect]["parameters"][parameter]["value"] / value - 1) < 0.1, found
+
+
+for test in (test_motors, test_stamps_of_exposures, test_studies):
     with tempfile.TemporaryDirectory() as folder:
         test(pathlib.Path(folder))

@@ -110,6 +110,7 @@ Quantities joint_outcome(const Model& model, const Quantities& given) {
   moving.rad_per_s = std::min(moving.rad_per_s, value_of(given, "limit_radps", INFINITY));
   Servo servo(std::move(moving), 0, value_of(given, "start_rad"));
   for (size_t i = 0; i < commands.size(); ++i) servo.command(times.at(i), commands[i]);
+  servo.set_warmer(value_of(given, "warmer_k"));
   servo.advance_to(value_of(given, "at_s"));
   out.push_back({"joint_rad", servo.joint_rad()});
   out.push_back(

@@ -5,7 +5,8 @@
 //   timing       stamp_s [0], row [0], cycle_s [0: the head repeats nothing], frame_exposure_s [0]
 //                -> start_s, middle_s, end_s of the row's exposure; own_latency_rms_s of many
 //                frames
-//   joint        start_rad [0], limit_radps [none], then command_s and command_rad in pairs, at_s
+//   joint        start_rad [0], limit_radps [none], warmer_k [0], then command_s and command_rad in
+//                pairs, at_s
 //                -> joint_rad; effects of a motor beside one with stall_rad_per_s2 200,
 //                back_emf_per_s 10, gain 0.5
 //                logged_tilt_rad, logged_pan_rad, logged_roll_rad (series of the encoder's log)

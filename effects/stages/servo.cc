@@ -192,6 +192,15 @@ double follow_play(double width_rad, double motor_rad, double load_rad) {
   return std::clamp(load_rad, motor_rad - 0.5 * width_rad, motor_rad + 0.5 * width_rad);
 }
 
+double GearRipple::at(double q_rad) const {
+  return amplitude_rad == 0 ? 0 : amplitude_rad * maths::sin(per_turn * q_rad + phase_rad);
+}
+
+double GearRipple::slope_at(double q_rad) const {
+  return amplitude_rad == 0 ? 0
+                            : amplitude_rad * per_turn * maths::cos(per_turn * q_rad + phase_rad);
+}
+
 ServoModel servo_of(const Model& model) {
   ServoModel servo;
   for (const ModelEffect& effect : model.effects()) {
@@ -202,11 +211,15 @@ ServoModel servo_of(const Model& model) {
 }
 
 ServoState servo_at_rest(const ServoModel& servo, double joint_rad) {
-  // q - sag cos(q - level) = joint: Newton's method; |sag| < 1 makes the left side increase.
+  // Newton's method, where sag and ripple let the joint's angle increase with the motor's.
   double q = joint_rad;
-  for (int step = 0; step < 20 && servo.sag_rad != 0; ++step) {
-    const double miss = q - servo.sag_rad * maths::cos(q - servo.level_rad) - joint_rad;
-    q -= miss / (1 + servo.sag_rad * maths::sin(q - servo.level_rad));
+  for (int step = 0; step < 20 && (servo.sag_rad != 0 || servo.ripple.amplitude_rad != 0); ++step) {
+    const double turned = q + servo.ripple.at(q);
+    const double miss = turned - servo.sag_rad * maths::cos(turned - servo.level_rad) - joint_rad;
+    const double slope =
+        (1 + servo.sag_rad * maths::sin(turned - servo.level_rad)) * (1 + servo.ripple.slope_at(q));
+    if (!(slope > 0)) break;
+    q -= miss / slope;
     if (std::abs(miss) < 1e-15) break;
   }
   return {.motor_rad = q, .motor_radps = 0, .load_rad = q};
@@ -236,7 +249,7 @@ void advance_servo(const ServoModel& servo, MotorInput input, double dt_s, Servo
 }
 
 double joint_angle(const ServoModel& servo, const ServoState& state) {
-  const double q = state.load_rad;
+  const double q = state.load_rad + servo.ripple.at(state.load_rad);
   return servo.sag_rad == 0 ? q : q - servo.sag_rad * maths::cos(q - servo.level_rad);
 }
 

@@ -1,6 +1,6 @@
 // Stage `joint`, from commands: how a servo moves its joint. The order is that of the definitions:
 // latency, servo (lag, speed and acceleration limits, stiction, or a motor with torque: torque.h),
-// backlash, sag, formulas, and, in a log, the encoder. Without torque, between changes of the
+// backlash, ripple, sag, formulas, in a log the encoder. Without torque, between changes of the
 // command the motion has a closed form, so the same solution predicts a log's rows and moves the
 // simulator's joints in continuous time.
 #pragma once
@@ -14,6 +14,16 @@
 
 namespace seam::effects {
 
+// A wave of the gears over the joint's angle.
+struct GearRipple {
+  double amplitude_rad = 0;
+  double per_turn = 0;
+  double phase_rad = 0;
+
+  double at(double q_rad) const;
+  double slope_at(double q_rad) const;
+};
+
 // What the servo effects of a model add up to.
 struct ServoModel {
   double latency_s = 0;  // A command acts this much after its time.
@@ -24,6 +34,7 @@ struct ServoModel {
   double backlash_rad = 0;   // Play between motor and load.
   double sag_rad = 0;        // The load hangs by sag * cos(q - level).
   double level_rad = 0;
+  GearRipple ripple;   // Before the load sags.
   TorqueModel torque;  // Where present it moves the motor instead of the rules above.
   // Joint formulas (expression effects), in order: their result replaces the angle.
   std::vector<ModelEffect> formulas;
@@ -48,7 +59,7 @@ void advance_servo(const ServoModel& servo, MotorInput input, double dt_s, Servo
 // Moves one without for `dt_s` under a command that holds. Exact: a sequence of closed-form pieces.
 void advance_servo(const ServoModel& servo, double command_rad, double dt_s, ServoState& state);
 
-// The joint's angle: behind backlash and sag, before formulas.
+// The joint's angle: behind backlash, ripple and sag, before formulas.
 double joint_angle(const ServoModel& servo, const ServoState& state);
 
 // The load of a play of this width that follows a motor moving monotonically to `motor_rad`.
@@ -70,6 +81,9 @@ class Servo {
 
   // The supply of a motor from now on, in units of its median.
   void set_voltage(double ratio) { input_.voltage = ratio; }
+
+  // By how much a motor is warmer from now on than the reference.
+  void set_warmer(double warmer_k) { input_.strength = model_.torque.strength_at(warmer_k); }
 
   // Moves to `t_s`, to just before commands that act at that very time (within a nanosecond).
   void advance_to(double t_s);

@@ -98,12 +98,16 @@ double wanted_duty(const TorqueModel& m, const MotorInput& in, const MotorState&
 double free_drive(const TorqueModel& m, const MotorInput& in, const MotorState& s) {
   if (!in.enabled) return 0;
   const double duty = std::clamp(wanted_duty(m, in, s), -m.max_duty, m.max_duty);
-  return m.stall_rad_per_s2 * in.voltage * duty - m.back_emf_per_s * s.w_radps;
+  return in.strength * (m.stall_rad_per_s2 * in.voltage * duty - m.back_emf_per_s * s.w_radps);
 }
 
 // How much of the load pulls at this angle; 0 where nothing hangs on the joint.
 double pull_at(const TorqueModel& m, double q_rad) {
   return m.gravity_rad_per_s2 == 0 ? 0 : maths::cos(q_rad - m.level_rad);
+}
+
+double load_at(const TorqueModel& m, double pull) {
+  return m.gravity_rad_per_s2 * pull + m.asymmetry_rad_per_s2;
 }
 
 // What pushes and what dry friction depends on.
@@ -203,11 +207,12 @@ class Stretch {
     if (in_.enabled) {
       const double clamped = k == 0 ? region_.duty * m_.max_duty : 0;
       const double duty = region_.duty == 0 ? duty_[k] : clamped;
-      drive_[k] = m_.stall_rad_per_s2 * in_.voltage * duty - m_.back_emf_per_s * w_[k];
+      drive_[k] =
+          in_.strength * (m_.stall_rad_per_s2 * in_.voltage * duty - m_.back_emf_per_s * w_[k]);
     }
     const double limit = k == 0 && region_.drive != 0 ? region_.drive * m_.limit_rad_per_s2 : 0;
     const double drive = region_.drive == 0 ? drive_[k] : limit;
-    const double load = m_.gravity_rad_per_s2 * cos_[k];
+    const double load = k == 0 ? load_at(m_, cos_[0]) : m_.gravity_rad_per_s2 * cos_[k];
     net_[k] = drive - load, gear_[k] = drive + load;
   }
 
@@ -290,7 +295,7 @@ double rest_for(const TorqueModel& m, const MotorInput& in, const MotorState& st
   if (in.command_radps == 0 || !in.enabled) return dt_s;
   // The command moves on until the net acceleration is more than friction holds.
   const double duty_per_rad = m.gain * in.kp;
-  const double drive_per_duty = m.stall_rad_per_s2 * in.voltage;
+  const double drive_per_duty = in.strength * m.stall_rad_per_s2 * in.voltage;
   way = duty_per_rad * drive_per_duty * in.command_radps < 0 ? -1 : 1;
   const double needed = drive_that_breaks(m, forces.net + load, way, load);
   const double duty = needed / drive_per_duty;
@@ -323,7 +328,7 @@ double advance_motor(const TorqueModel& motor, const MotorInput& input, double d
   };
   int way = state.w_radps < 0 ? -1 : 1;
   const bool rested = state.w_radps == 0;
-  const double pull = pull_at(motor, state.q_rad), load = motor.gravity_rad_per_s2 * pull;
+  const double pull = pull_at(motor, state.q_rad), load = load_at(motor, pull);
   if (rested) {
     pass(rest_for(motor, in, state, load, dt_s, way));
     if (done_s >= dt_s) return dt_s;
@@ -359,7 +364,8 @@ double advance_motor(const TorqueModel& motor, const MotorInput& input, double d
 
 HangingLoad::HangingLoad(const TorqueModel& motor)
     : along_cos_(motor.gravity_rad_per_s2 * maths::cos(motor.level_rad)),
-      along_sin_(motor.gravity_rad_per_s2 * maths::sin(motor.level_rad)) {}
+      along_sin_(motor.gravity_rad_per_s2 * maths::sin(motor.level_rad)),
+      constant_(motor.asymmetry_rad_per_s2) {}
 
 bool has_dry_friction(const TorqueModel& motor) {
   return motor.coulomb_rad_per_s2 > 0 || motor.stribeck_rad_per_s2 > 0 || motor.load_fraction > 0 ||

@@ -2,11 +2,11 @@
 // accelerate.
 //
 //   duty  = clamp(gain kp (command - q) - damping w, -max_duty, +max_duty)
-//   drive = clamp(stall duty voltage - back_emf w, -limit, +limit)
-//   net   = drive - gravity cos(q - level)
+//   drive = clamp(strength (stall duty voltage - back_emf w), -limit, +limit)
+//   net   = drive - load, load = gravity cos(q - level) + asymmetry
 //   dw/dt = net - viscous w - dry friction against the motion,
 //   dry   = coulomb + stribeck exp(-|w| / stribeck_speed) + load_fraction |net| +
-//           carried_fraction |drive + gravity cos(q - level)|
+//           carried_fraction |drive + load|
 //
 // Between changes of the command, of a clamp, or of a sign the right side is analytic. There the
 // motion is a Taylor series in time, whose coefficients follow from the equation by recurrence; the
@@ -14,6 +14,7 @@
 // bits: it cannot chatter about rest, and dry friction holds it there as long as it can.
 #pragma once
 
+#include <algorithm>
 #include <limits>
 
 namespace seam::effects {
@@ -29,12 +30,22 @@ struct TorqueModel {
   double limit_rad_per_s2 = std::numeric_limits<double>::infinity();  // Of |drive|.
   double gravity_rad_per_s2 = 0;
   double level_rad = 0;  // Where the load is level: gravity pulls most.
+  // By how much dry friction is more than its mean in motions to larger angles, and less in others:
+  // the same as a load that is constant.
+  double asymmetry_rad_per_s2 = 0;
+  double weakening_per_k = 0;  // Growth of the windings' resistance for each kelvin.
   double viscous_per_s = 0;
   double coulomb_rad_per_s2 = 0;
   double stribeck_rad_per_s2 = 0;
   double stribeck_rad_per_s = 0;
   double load_fraction = 0;     // Of what drive and load leave.
   double carried_fraction = 0;  // Of what the gears carry between drive and load.
+
+  // What is left of the drive where the motor is so much warmer than the reference.
+  double strength_at(double warmer_k) const {
+    constexpr double kLeastResistance = 0.1;  // What no motor has: a fit may try it.
+    return 1 / std::max(kLeastResistance, 1 + weakening_per_k * warmer_k);
+  }
 };
 
 // Friction that may hold a joint at rest.
@@ -46,6 +57,7 @@ struct MotorInput {
   double command_radps = 0;
   double kp = 1;        // Of the log's column.
   double voltage = 1;   // In units of its median.
+  double strength = 1;  // Of the drive, in units of its own at the reference temperature.
   bool enabled = true;  // False: no drive and no back-EMF.
 };
 
@@ -64,10 +76,13 @@ double advance_motor(const TorqueModel& motor, const MotorInput& input, double d
 class HangingLoad {
  public:
   explicit HangingLoad(const TorqueModel& motor);
-  double at(double cos_q, double sin_q) const { return along_cos_ * cos_q + along_sin_ * sin_q; }
+  double at(double cos_q, double sin_q) const {
+    return along_cos_ * cos_q + along_sin_ * sin_q + constant_;
+  }
 
  private:
   double along_cos_, along_sin_;  // Of gravity.
+  double constant_;
 };
 
 // Angular acceleration now, under this load. A joint slower than `rest_radps` counts as at rest:

@@ -17,6 +17,7 @@ namespace {
 
 // Angles beyond this are a wrong unit or a broken log.
 constexpr double kLargestAngle_rad = 1e4;
+constexpr const char* kTemperature = "temperature_c";
 
 void check_angles(const CsvTable& table, const std::vector<double>& values, const char* column) {
   for (size_t row = 0; row < values.size(); ++row) {
@@ -50,6 +51,21 @@ std::vector<double> read_voltage(const CsvTable& table) {
   const double median = voltage.empty() ? 1 : median_of(voltage);
   for (double& value : voltage) value /= median;
   return voltage;
+}
+
+// By how much the motor is warmer in each row than in the median one.
+std::vector<double> read_warmth(const CsvTable& table) {
+  constexpr double kColdest_c = -100, kHottest_c = 300;  // No servo's.
+  if (!table.has(kTemperature)) return std::vector<double>(table.rows(), 0);
+  auto warmth = table.numbers(kTemperature);
+  for (size_t row = 0; row < warmth.size(); ++row) {
+    if (!(warmth[row] > kColdest_c && warmth[row] < kHottest_c))
+      table.fail(row, kTemperature, table.cell(row, kTemperature),
+                 "a temperature in degrees Celsius");
+  }
+  const double median = warmth.empty() ? 0 : median_of(warmth);
+  for (double& value : warmth) value -= median;
+  return warmth;
 }
 
 std::vector<char> read_enabled(const CsvTable& table) {
@@ -157,7 +173,7 @@ JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column
     check_angles(table, angles, "measured_rad");
   }
   const auto enabled = read_enabled(table);
-  const auto kp = read_kp(table), voltage = read_voltage(table);
+  const auto kp = read_kp(table), voltage = read_voltage(table), warmth = read_warmth(table);
   JointLogs set;
   set.column_names = table.extra_numeric_columns(
       {"run", "time_s", "joint", "command_rad", "measured_rad", group_column});
@@ -191,6 +207,7 @@ JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column
     log.enabled.push_back(enabled[row]);
     log.kp.push_back(kp[row]);
     log.voltage.push_back(voltage[row]);
+    log.warmer_k.push_back(warmth[row]);
     for (size_t c = 0; c < columns.size(); ++c) log.columns[c].push_back(columns[c][row]);
   }
   if (measured) {
@@ -240,6 +257,7 @@ std::vector<double> predict_joint_log(const Model& model, const JointLogs& set, 
     before = q;
     joint.command(log.time_s[k], log.command_rad[k], log.enabled[k] != 0, log.kp[k]);
     joint.set_voltage(log.voltage[k]);
+    joint.set_warmer(log.warmer_k[k]);
   }
   return angles;
 }

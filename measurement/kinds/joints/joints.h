@@ -30,6 +30,7 @@ struct JointLog {
   std::vector<char> enabled;                 // torque_enable.
   std::vector<double> kp;                    // Of the controller; 1 where the log has none.
   std::vector<double> voltage;               // Over the median of the set; likewise.
+  std::vector<double> warmer_k;              // Than in the median row; 0 without a column.
   double start_radps = 0;                    // Not 0 where the log clearly begins in motion.
   std::vector<std::vector<double>> columns;  // Extra numeric columns by their place in the set.
 };
@@ -95,6 +96,7 @@ class JointsProblem : public Problem {
   std::vector<std::vector<double>> starts_together(const Model& model,
                                                    const EffectDefinition& effect,
                                                    const EffectList& companions) const override;
+  double looks(const Model& model, const EffectDefinition& effect) const override;
   void check_model(const Model& model) const override;
   // A motor's motion is; rules of kinematics jump.
   bool is_smooth(const Model& model) const override;
@@ -110,6 +112,9 @@ class JointsProblem : public Problem {
   // `shown` first, and what it likes best on all of `training`.
   std::vector<std::vector<double>> starts_of(const Model& model, const EffectDefinition& effect,
                                              Groups shown, const Groups& training) const;
+  // The strongest wave of residuals over the joint's angle: amplitude, waves in a turn, phase.
+  std::vector<double> wave_over_angle(const Model& model, const effects::Parameter& per_turn,
+                                      const Groups& shown) const;
   std::vector<effects::Lack> lacks() const;
   void describe(const MeasurementSet& set, const CsvTable& table);
   void add_covariates();

@@ -1,6 +1,7 @@
 // Fits of servo models.
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <optional>
 
@@ -124,6 +125,108 @@ std::vector<std::vector<double>> JointsProblem::starts_seen_on(
   return starts_of(model, effect, groups, groups);
 }
 
+namespace {
+
+// Of the angles between which all of the logs' rows lie.
+double span_of(const JointLogs& set) {
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (const JointLog& log : set.logs) {
+    for (const double q : log.measured_rad) least = std::min(least, q), most = std::max(most, q);
+  }
+  // Of a joint that hardly turns a coarse look.
+  constexpr double kLeastSpan_rad = 0.1;
+  return std::max(most - least, kLeastSpan_rad);
+}
+
+// Residuals at their angles, and a wave over the angle that goes to higher frequencies by steps.
+class WaveOverAngle {
+ public:
+  WaveOverAngle(std::vector<double> angle_rad, std::vector<double> residual)
+      : angle_rad_(std::move(angle_rad)), residual_(std::move(residual)) {
+    double sum = 0;
+    for (const double r : residual_) sum += r;
+    for (double& r : residual_) r -= sum / static_cast<double>(residual_.size());
+  }
+
+  // Begins at `cycles` a turn; each look goes on by `step`.
+  void begin(double cycles, double step) {
+    for (const double q : angle_rad_) {
+      at_.emplace_back(maths::cos(cycles * q), maths::sin(cycles * q));
+      turn_.emplace_back(maths::cos(step * q), maths::sin(step * q));
+    }
+  }
+
+  // The wave by least squares beside a constant: by how much it lowers the sum of squares.
+  double look() {
+    std::complex<double> sum = 0, square = 0, with = 0;
+    for (size_t k = 0; k < at_.size(); ++k) {
+      sum += at_[k], square += at_[k] * at_[k], with += at_[k] * residual_[k];
+      at_[k] *= turn_[k];
+    }
+    const auto n = static_cast<double>(at_.size());
+    const double c = sum.real() / n, s = sum.imag() / n;
+    const double cc = 0.5 * (n + square.real()) - n * c * c;
+    const double ss = 0.5 * (n - square.real()) - n * s * s;
+    const double sc = 0.5 * square.imag() - n * s * c, determinant = ss * cc - sc * sc;
+    // A wave that the angles hardly show is taken for a constant.
+    constexpr double kLeast = 1e-3;
+    if (!(determinant > kLeast * n * n)) return 0;
+    sine_ = (cc * with.imag() - sc * with.real()) / determinant;
+    cosine_ = (ss * with.real() - sc * with.imag()) / determinant;
+    return sine_ * with.imag() + cosine_ * with.real();
+  }
+  // Of the last look.
+  double amplitude_rad() const { return std::hypot(sine_, cosine_); }
+  double phase_rad() const { return maths::atan2(cosine_, sine_); }
+
+ private:
+  std::vector<double> angle_rad_, residual_;
+  std::vector<std::complex<double>> at_, turn_;
+  double sine_ = 0, cosine_ = 0;
+};
+
+}  // namespace
+
+// As many as the joint's way tells apart over the range of frequencies, twice: between two of them
+// a wave loses a third of its height at most.
+double JointsProblem::looks(const Model& model, const EffectDefinition& effect) const {
+  if (effects::start_rule(effect, facts_.set.kind).search != effects::StartSearch::frequency)
+    return Problem::looks(model, effect);
+  const effects::Parameter& per_turn = effect.parameters[1];
+  return std::max(1.0, (per_turn.max - per_turn.min) * span_of(set_) / maths::kPi);
+}
+
+std::vector<double> JointsProblem::wave_over_angle(const Model& model,
+                                                   const effects::Parameter& per_turn,
+                                                   const Groups& shown) const {
+  const Evaluation here = evaluate(model, shown, nullptr);
+  std::vector<double> angle_rad, residual;
+  constexpr size_t kMostRows = 2000;
+  const size_t every = 1 + facts_.rows() / kMostRows;
+  for (const JointLog& log : set_.logs) {
+    if (!shown[facts_.group_of_row[log.rows[0]]]) continue;
+    for (size_t k = 0; k < log.rows.size(); k += every) {
+      const size_t row = log.rows[k];
+      if (left_out(row)) continue;
+      residual.push_back(here.residual[row]);
+      angle_rad.push_back(log.measured_rad[k] - here.residual[row]);
+    }
+  }
+  std::vector<double> best = {0, per_turn.neutral, 0};
+  if (angle_rad.empty()) return best;
+  WaveOverAngle wave(std::move(angle_rad), std::move(residual));
+  const double step = 0.5 * maths::kPi / span_of(set_);  // A quarter of the width of a wave's peak.
+  wave.begin(per_turn.min, step);
+  double gain = 0;
+  for (double cycles = per_turn.min; cycles <= per_turn.max; cycles += step) {
+    const double gained = wave.look();
+    if (!(gained > gain)) continue;
+    gain = gained;
+    best = {wave.amplitude_rad(), cycles, wave.phase_rad()};
+  }
+  return best;
+}
+
 // A coarse look over the whole range of each servo parameter, on the groups that fits may see: the
 // likelihood has several valleys (a speed limit that never binds, a latency of another row). The
 // best of it comes first, then a small effect, from which other parameters can make way.
@@ -136,6 +239,8 @@ std::vector<std::vector<double>> JointsProblem::starts_of(const Model& model,
   if (effect.spread_only)
     return {{largest_step_rad_ > 0 ? largest_step_rad_ : effect.parameters[0].scale}};
   if (rule.search == effects::StartSearch::motion) return starts_together(model, effect, {});
+  if (rule.search == effects::StartSearch::frequency)
+    return {wave_over_angle(model, effect.parameters[1], shown)};
   if (effect.parameters.empty() || (!effect.servo && !effect.logged))
     return Problem::starts(model, effect);
   const effects::Parameter& first = effect.parameters[0];

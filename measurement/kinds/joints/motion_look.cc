@@ -148,6 +148,7 @@ std::vector<double> MotionLook::misses(const Model& model) const {
       const effects::MotorInput input{.command_rad = log.command_rad[given],
                                       .kp = log.kp[given],
                                       .voltage = log.voltage[piece.row],
+                                      .strength = servo.torque.strength_at(log.warmer_k[piece.row]),
                                       .enabled = log.enabled[given] != 0};
       sum += piece.weight * effects::motor_acceleration(servo.torque, input, piece.state,
                                                         load.at(piece.cos_q, piece.sin_q),

@@ -67,7 +67,8 @@ void ShortRuns::cut(const JointLog& log, double length_s) {
                      .measured_rad = part(log.measured_rad),
                      .enabled = part(log.enabled),
                      .kp = part(log.kp),
-                     .voltage = part(log.voltage)};
+                     .voltage = part(log.voltage),
+                     .warmer_k = part(log.warmer_k)};
     for (const auto& column : log.columns) stretch.columns.push_back(part(column));
     for (double& t : stretch.time_s) t -= log.time_s[from];
     if (from > 0) {
