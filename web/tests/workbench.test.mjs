@@ -129,7 +129,7 @@ async function formulaAndSession(page, server) {
   assert.equal(await page.getByLabel(/^Note on version 1$/).inputValue(), "as the data sheet has it", "a reload loses nothing");
   assert.match(await page.locator("pre.script").innerText(), /seam add formulas\/my_effect.yaml/);
   assert.equal(await page.locator(".tree li").count(), server.session.versions.length);
-  await page.getByRole("button", { name: "beside the shown" }).first().click();
+  await page.getByRole("button", { name: "compare with the shown" }).first().click();
   assert.ok((await page.getByRole("region", { name: "Two versions" }).innerText()).includes("absent"));
 }
 

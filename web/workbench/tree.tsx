@@ -11,22 +11,23 @@ import { goTo, say, session, setNote } from "./store";
 const script = signal<string | null>(null);
 const beside = signal<string | null>(null);
 
-interface Branch {
-  version: Version;
-  depth: number;
-}
-
-/** Versions in the order of a tree; a first child goes on in its parent's column, others are set in. */
-function branches(all: Version[]): Branch[] {
-  const found: Branch[] = [];
-  const visit = (version: Version, depth: number) => {
-    found.push({ version, depth });
-    const children = all.filter((one) => one.parent === version.id);
-    children.slice(1).forEach((child) => visit(child, depth + 1));
-    if (children[0]) visit(children[0], depth);
-  };
-  all.filter((one) => one.parent === null).forEach((one) => visit(one, 0));
-  return found;
+/** A version and what was made of it, one by one; where several were made of one, each is a branch. */
+function Branch({ from, all, current }: { from: Version; all: Version[]; current: string }) {
+  const chain = [from];
+  const childrenOf = (version: Version) => all.filter((one) => one.parent === version.id);
+  let children = childrenOf(from);
+  for (; children.length === 1; children = childrenOf(children[0])) chain.push(children[0]);
+  return (
+    <ol>
+      {chain.map((version, i) => (
+        <li key={version.id} aria-current={version.id === current ? "true" : undefined}>
+          <Node version={version} current={current} />
+          {i === chain.length - 1 && children.length > 0 &&
+            <div class="forks">{children.map((child) => <Branch key={child.id} from={child} all={all} current={current} />)}</div>}
+        </li>
+      ))}
+    </ol>
+  );
 }
 
 export function SessionScreen() {
@@ -37,13 +38,9 @@ export function SessionScreen() {
       <p class="lead">Each version is an ordinary model in a file. Undo moves a pointer; what is made from an older version becomes
         a branch. All of it is in the session's folder.</p>
       <section aria-label="Versions">
-        <ol class="tree">
-          {branches(now.versions).map(({ version, depth }) => (
-            <li key={version.id} style={{ "--depth": depth }} aria-current={version.id === now.current ? "true" : undefined}>
-              <Node version={version} current={now.current} />
-            </li>
-          ))}
-        </ol>
+        <div class="tree">
+          {now.versions.filter((one) => one.parent === null).map((one) => <Branch key={one.id} from={one} all={now.versions} current={now.current} />)}
+        </div>
       </section>
       <SideBySide />
       <Script />
@@ -64,7 +61,7 @@ function Node({ version, current }: { version: Version; current: string }) {
           : <button type="button" onClick={() => void goTo(version.id)}>Go there</button>}
         {version.id !== current && (
           <button type="button" class="link" aria-pressed={beside.value === version.id}
-            onClick={() => (beside.value = beside.value === version.id ? null : version.id)}>beside the shown</button>
+            onClick={() => (beside.value = beside.value === version.id ? null : version.id)}>compare with the shown</button>
         )}
       </header>
       {version.command && <code class="quiet made-by">{version.command}</code>}
