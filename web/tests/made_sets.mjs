@@ -46,3 +46,49 @@ export function makeServo(folder, runs, samplesOfRun, seam) {
   seam(["measure", "--model", truth, "--protocol", protocol, "--seed", "1", "--out", folder]);
   writeFileSync(join(folder, "nominal.yaml"), model("ideal_servo: {}"));
 }
+
+const modelOf = (...effects) => `format: seam-model/1\nname: nominal\neffects:\n${effects.map((line) => `  ${line}\n`).join("")}`;
+
+/** Writes a protocol and its true model, and has it measured into the folder, with the model to begin with. */
+function measure(folder, files, truth, nominal, seam) {
+  const protocol = `${folder}.protocol`;
+  mkdirSync(protocol, { recursive: true });
+  for (const [name, text] of Object.entries({ ...files, "truth.yaml": truth })) writeFileSync(join(protocol, name), text);
+  seam(["measure", "--model", join(protocol, "truth.yaml"), "--protocol", protocol, "--seed", "1", "--out", folder]);
+  writeFileSync(join(folder, "nominal.yaml"), nominal);
+}
+
+const table = (header, rows) => `${[header, ...rows.map((row) => row.join())].join("\n")}\n`;
+
+/** Makes five landmarks seen by a robot on a circle, whose ranges are a tenth too long. */
+export function makeLandmarks(folder, seam) {
+  const poses = [], seen = [];
+  for (let run = 0; run < 6; ++run) {
+    for (let k = 0; k <= 100; ++k) {
+      const t = 0.1 * k, at = 0.5 * t + run;
+      poses.push([run, t.toFixed(2), Math.cos(at).toFixed(4), Math.sin(at).toFixed(4), (at + Math.PI / 2).toFixed(4)]);
+      if (k > 0 && k < 100) seen.push([run, t.toFixed(2), k % 5]);
+    }
+  }
+  measure(folder, {
+    "landmarks.csv": table("landmark,x_m,y_m", [[0, 3, 0], [1, 0, 3], [2, -3, 0], [3, 0, -3], [4, 2.5, 2.5]]),
+    "poses.csv": table("run,time_s,x_m,y_m,theta_rad", poses), "observations.csv": table("run,time_s,landmark", seen),
+    "measurement.yaml": "format: seam-measurement/1\nkind: landmarks\ntitle: Beacons\nnoise: {range_m: 0.03, bearing_rad: 0.006}\n" +
+      "group: run\nfiles: {observations: observations.csv, landmarks: landmarks.csv, poses: poses.csv}\n",
+  }, modelOf("ideal_detector: {}", "range_scale: {scale: 0.1}"), modelOf("ideal_detector: {}"), seam);
+}
+
+/** Makes four small images of two boxes by a camera whose corners are dark. */
+export function makeFrames(folder, seam) {
+  const camera = ["pinhole: {fx_px: 30, fy_px: 30, cx_px: 15.5, cy_px: 11.5}", "read_noise: {sigma_dn: 1.5}"];
+  measure(folder, {
+    "frames.csv": table("frame,file,time_s", [0, 1, 2, 3].map((k) => [k, `frames/${k}.png`, (0.3 * k + 0.1).toFixed(1)])),
+    "joints.csv": "time_s,pan_rad\n0,-0.2\n2,0.2\n",
+    "scene.yaml": "format: seam-scene/1\nbackground_rgb: [0.3, 0.4, 0.5]\nobjects:\n" +
+      "  - {shape: box, centre_m: [1.5, 0.4, 0.2], size_m: [0.3, 0.3, 0.4], rgb: [0.9, 0.5, 0.2]}\n" +
+      "  - {shape: box, centre_m: [2.0, -0.4, 0.4], size_m: [0.3, 0.3, 0.4], rgb: [0.2, 0.8, 0.3]}\n",
+    "measurement.yaml": "format: seam-measurement/1\nkind: frames\ntitle: Two boxes\ngroup: frame\nscene: scene.yaml\n" +
+      "camera: {width_px: 32, height_px: 24, frame_period_s: 0.04}\nfiles: {frames: frames.csv, joints: joints.csv}\n" +
+      "rig: {chain: [{translate_m: [0, 0, 0.3]}, {joint: pan, axis: [0, 0, 1]}]}\n",
+  }, modelOf(...camera, "vignetting: {a2: 0.4, a4: 0.1}"), modelOf(...camera), seam);
+}

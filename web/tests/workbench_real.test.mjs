@@ -1,12 +1,13 @@
 // A person's whole journey through the program itself, `seam workbench`: from the misfit to a model, on a wide page and on a
 // narrow one; then the other kinds of measurements in short. `workbench_real.test.mjs SHARE SEAM SOURCE`.
 import assert from "node:assert/strict";
-import { spawn, spawnSync } from "node:child_process";
+import { spawnSync } from "node:child_process";
 import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fits, launch, openPage, skip, until, within } from "./browser.mjs";
 import { makeRoom, samples, titles } from "./made_sets.mjs";
+import { startProgram } from "./program.mjs";
 
 const [share, seam, source] = process.argv.slice(2);
 if (!existsSync(join(share, "workbench/index.html"))) skip(`${share}/workbench was not built`);
@@ -17,21 +18,6 @@ const scratch = mkdtempSync(join(tmpdir(), "seam-workbench-"));
 function run(program, words, environment = {}) {
   const done = spawnSync(program, words, { cwd: scratch, encoding: "utf8", env: { ...process.env, ...environment } });
   assert.equal(done.status, 0, `${program} ${words.join(" ")}: ${done.stdout}${done.stderr}`);
-}
-
-/** The program with sessions beside `session`, and the address that it prints. */
-async function serve(session) {
-  const process_ = spawn(seam, ["workbench", join(scratch, "camera"), "--session", session], {
-    cwd: scratch, stdio: ["ignore", "pipe", "inherit"], env: { ...process.env, XDG_STATE_HOME: session, SEAM_WORKBENCH_DIR: join(share, "workbench") } });
-  const address = await new Promise((done, fail) => {
-    let text = "";
-    process_.stdout.on("data", (piece) => {
-      text += piece;
-      if (text.includes("\n")) done(text.split("\n")[0]);
-    });
-    process_.on("exit", (code) => fail(new Error(`seam workbench ended with ${code}`)));
-  });
-  return { address, end: () => process_.kill() };
 }
 
 const option = (page, name) => page.locator(`#candidate-${name}`);
@@ -237,7 +223,7 @@ async function seeIt(page) {
 async function journey(browser, size) {
   const session = join(scratch, `${size.width}`, "work"); // Samples are made beside it.
   mkdirSync(join(scratch, `${size.width}`));
-  const server = await serve(session);
+  const server = await startProgram(seam, share, join(scratch, "camera"), session);
   const { page, errors } = await openPage(browser, size);
   try {
     page.setDefaultTimeout(limit_ms);
@@ -256,7 +242,7 @@ async function journey(browser, size) {
     throw failed;
   } finally {
     await page.close();
-    server.end();
+    await server.end();
   }
 }
 

@@ -86,7 +86,7 @@ function Progress({ search }: { search: Search }) {
   return (
     <span class="progress num" role="status">
       <progress max={of || 1} value={of ? done : undefined} aria-label="Candidates tested" />
-      {of ? `${count(done)} of ${count(of)}` : "searching"}
+      {!of ? "searching" : done === of ? "all fitted, judging" : `${count(done)} of ${count(of)}`}
       <button type="button" class="link" onClick={stopSearch}>cancel</button>
     </span>
   );
