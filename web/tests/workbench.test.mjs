@@ -59,6 +59,8 @@ async function previewAddUndo(page, server) {
   await plotsShow(page, ""); // Escape restores.
   await page.mouse.move(700, 20);
   await option(page, "rolling_shutter").hover();
+  await plotsShow(page, "With rolling_shutter");
+  await settled(page);
   await page.locator(".context.previewing").getByRole("button", { name: /Add/ }).click(); // The mouse can leave the list for it.
   await until(page, () => document.querySelector(".headline")?.textContent.startsWith("Adequate"));
   assert.ok(await error(page) < 1.1);
