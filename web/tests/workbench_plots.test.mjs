@@ -88,9 +88,9 @@ async function frames(browser) {
   await strip.first().waitFor();
   assert.equal(await strip.count(), 4);
   const of = (label) => page.getByRole("img", { name: label, exact: true });
+  await page.locator(".frames figcaption", { hasText: "Orange is brighter" }).waitFor(); // It is painted last.
   const [measured, predicted] = await Promise.all(["measured", "predicted"].map((label) => pixels(of(label))));
   assert.notEqual(measured, predicted, "noise and a cause lie between them");
-  await page.locator(".frames figcaption", { hasText: "Orange is brighter" }).waitFor();
   await strip.last().click();
   await within("another frame is shown", async () => await pixels(of("measured")) !== measured, limit_ms);
   assert.equal(await strip.last().getAttribute("aria-pressed"), "true");

@@ -28,9 +28,8 @@ const shot = async (page, name) => shots && page.screenshot({ path: join(shots, 
 
 /** Until the page shows a version with its error and its plots. */
 async function shows(page, id) {
-  await until(page, (wanted) => document.querySelector(".head .quiet.small")?.textContent.includes(`version ${wanted},`) &&
-    Number.isFinite(parseFloat(document.querySelector(".figure-of-merit b")?.textContent)) &&
-    document.querySelector("[data-drawn=true]") !== null, id, limit_ms);
+  await page.locator(`.figures[data-version="${id}"]`).waitFor({ timeout: limit_ms });
+  await until(page, () => Number.isFinite(parseFloat(document.querySelector(".figure-of-merit b")?.textContent)), undefined, limit_ms);
 }
 
 const plotsShow = (page, preview) => page.locator(`.figures[data-preview="${preview}"]`).waitFor({ timeout: limit_ms });
