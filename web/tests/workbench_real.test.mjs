@@ -77,7 +77,7 @@ async function findTheCause(page, session) {
 /** Back to the better branch, without rows that lie far off, with a reason and a note. */
 async function leaveRowsOut(page) {
   await toScreen(page, "Session");
-  await page.locator(".tree li", { hasText: "rolling_shutter" }).getByRole("button", { name: "Go there" }).click();
+  await page.locator(".tree .node", { hasText: "rolling_shutter" }).getByRole("button", { name: "Go there" }).click();
   await toScreen(page, "Work");
   await shows(page, "002");
   await page.getByLabel("Choose rows by a rule").selectOption("3");
