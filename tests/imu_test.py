@@ -42,18 +42,30 @@ class Sets(unittest.TestCase):
         folder = self.folder / f"{effect}-{number}"
         return imu.make(folder, effect, number), discovered(folder), folder
 
-    def is_found(self, effect, unit):
+    def is_found(self, effect, unit, names=None):
         values, found, folder = self.found(effect)
         self.assertEqual([step["effect"] for step in found["steps"]], [effect], found["headline"])
         self.assertEqual(found["verdict"], "adequate")
         for axis, value in values.items():
-            seen = found["steps"][0]["parameters"][f"{axis}_{unit}"]
+            seen = found["steps"][0]["parameters"][(names or {}).get(axis, axis) + f"_{unit}"]
             self.assertLess(abs(seen["value"] - value), 5 * seen["sigma"] + 0.03 * abs(value), (axis, value, seen))
         return found, folder
 
     def test_nothing_where_nothing_is(self):
         _, found, _ = self.found("nothing")
         self.assertEqual([step["effect"] for step in found["steps"]], [], found["headline"])
+
+    def test_steps_walks_and_warmth(self):
+        for effect, unit in (("gyro_quantisation", "rad"), ("accel_quantisation", "mps"), ("accel_random_walk", "mps3_rthz"),
+                             ("accel_temperature", "mps2_k")):
+            with self.subTest(effect):
+                self.is_found(effect, unit)
+
+    def test_axes_that_mix_and_ends_of_ranges(self):
+        for effect, unit, names in (("gyro_misalignment", "rad", {"x": "yx", "y": "zx", "z": "zy"}),
+                                    ("gyro_saturation", "radps", {"x": "most"}), ("accel_saturation", "mps2", {"x": "most"})):
+            with self.subTest(effect):
+                self.is_found(effect, unit, names)
 
     def test_random_walk(self):
         found, folder = self.is_found("gyro_random_walk", "radps2_rthz")

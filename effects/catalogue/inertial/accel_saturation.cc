@@ -18,6 +18,7 @@ EffectDefinition accel_saturation() {
       .formula = "clipped to -most .. most",
       .signature = "a mean that stays behind at the largest values",
       .example = "accel_saturation: {most_mps2: 40}",
+      .starts = {{kImu, StartSearch::ceiling}},
       .noise = [](Values p, Noise& errors) { errors.inertial.accel.most = p[0]; },
       .proof = {{.values = {2},
                  .given = {{"ax_mps2", 1}, {"ay_mps2", 5}, {"az_mps2", -6}},

@@ -18,6 +18,7 @@ EffectDefinition gyro_saturation() {
       .formula = "clipped to -most .. most",
       .signature = "a mean that stays behind at the largest values",
       .example = "gyro_saturation: {most_radps: 35}",
+      .starts = {{kImu, StartSearch::ceiling}},
       .noise = [](Values p, Noise& errors) { errors.inertial.gyro.most = p[0]; },
       .proof = {{.values = {2},
                  .given = {{"wx_radps", 1}, {"wy_radps", 5}, {"wz_radps", -6}},

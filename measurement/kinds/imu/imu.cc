@@ -120,6 +120,22 @@ std::string ImuProblem::not_testable(const Model& model, const EffectDefinition&
   return Problem::not_testable(model, effect, parameter);
 }
 
+// The end of a range is at the largest reading seen, or beyond it.
+std::vector<std::vector<double>> ImuProblem::starts(const Model& model,
+                                                    const EffectDefinition& effect) const {
+  if (effects::start_rule(effect, facts_.set.kind).search != effects::StartSearch::ceiling)
+    return Problem::starts(model, effect);
+  effects::Noise ends;
+  const std::vector<double> nearest = {effect.parameters[0].min};
+  effect.noise(nearest, ends);
+  double most = nearest[0];
+  for (const Row& row : rows_) {
+    const bool ended = sensor(ends.inertial, row.axis).most == nearest[0];
+    if (ended && row.what == Row::What::mean) most = std::max(most, std::abs(row.observed));
+  }
+  return {{most}};
+}
+
 void ImuProblem::add_rows(const MeasurementSet& set) {
   const bool many = groups_of(data_).size() >= kFewGroups;
   const size_t parts = many ? 1 : kParts;

@@ -32,6 +32,8 @@ class ImuProblem : public Problem, public HasCurves {
   void check_model(const Model& model) const override;
   std::string not_testable(const Model& model, const EffectDefinition& effect,
                            size_t parameter) const override;
+  std::vector<std::vector<double>> starts(const Model& model,
+                                          const EffectDefinition& effect) const override;
   bool is_smooth(const Model&) const override { return true; }
   std::vector<char> find_outliers(const Model&) const override {
     return std::vector<char>(facts_.scalars(), 0);
