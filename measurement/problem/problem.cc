@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "measurement/sets/set.h"
+#include "measurement/problem/regimes.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {
@@ -295,7 +295,7 @@ const std::vector<Groups>& Problem::folds() const {
   std::call_once(folds_cut_, [&] {
     const size_t count = facts_.groups.size();
     if (count >= groups_for_one_fold()) {
-      folds_ = {held_out_third()};
+      folds_ = {held_out_of_each(facts_.groups, regimes())};
       return;
     }
     for (size_t out = 0; out < count; ++out) {
@@ -307,8 +307,8 @@ const std::vector<Groups>& Problem::folds() const {
   return folds_;
 }
 
-Groups Problem::held_out_third() const {
-  return held_out_groups(facts_.groups);
+std::vector<Groups> Problem::regimes() const {
+  return regimes_of_labels(facts_);
 }
 
 Groups Problem::scored_groups() const {

@@ -213,8 +213,10 @@ class Problem {
   virtual const std::vector<Groups>& folds() const;
   // So many groups are many: below, a third of them is too few to say anything by its scatter.
   virtual size_t groups_for_one_fold() const { return kFewGroups; }
-  // The groups of that one fold. Default: a third by the hash of their names.
-  virtual Groups held_out_third() const;
+  // What the inputs of some groups show and those of others do not, such as a level of light: by
+  // regime the groups that show it, of which some train and some are held out in that one fold.
+  // Default: each label, and each sign.
+  virtual std::vector<Groups> regimes() const;
   // The groups that `error` is about: the held-out ones of the one fold, else all.
   Groups scored_groups() const;
   // By scalar: its block, a stretch of its group in time. Where groups are few their blocks stand

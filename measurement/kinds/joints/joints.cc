@@ -139,6 +139,34 @@ void JointsProblem::add_covariates() {
   }
 }
 
+std::vector<FieldPlace> JointsProblem::field_places(const Model&, const Evaluation& here) const {
+  std::map<std::string, FieldPlace> places;  // By joint.
+  for (const JointLog& log : set_.logs) {
+    std::vector<double> predicted_rad;
+    for (size_t k = 0; k < log.rows.size(); ++k)
+      predicted_rad.push_back(log.measured_rad[k] - here.residual[log.rows[k]]);
+    FieldPlace& place = places[log.joint];
+    if (place.slopes.empty()) {
+      // Rows of other joints, on which it does not act, count with a value within its range.
+      const size_t rows = facts_.rows();
+      place.slopes = {std::vector<double>(rows, 0)};
+      place.covariates = {
+          {.name = log.joint, .values = std::vector<double>(rows, predicted_rad[0])},
+          {.name = log.joint + "_rate", .values = std::vector<double>(rows, 0)}};
+    }
+    for (size_t k = 0; k < log.rows.size(); ++k) {
+      const size_t row = log.rows[k];
+      const double slope = parabola_around(log.time_s, predicted_rad, k).slope;
+      place.slopes[0][row] = 1;
+      place.covariates[0].values[row] = predicted_rad[k];
+      place.covariates[1].values[row] = std::isfinite(slope) ? slope : 0;
+    }
+  }
+  std::vector<FieldPlace> all;
+  for (auto& [joint, place] : places) all.push_back(std::move(place));
+  return all;
+}
+
 // Residuals of the logs, each from the start that fits it best.
 void JointsProblem::evaluate_logs(const Model& model, const Groups& groups, double sigma_rad,
                                   const Evaluation* warm, Evaluation& evaluation) const {
@@ -246,9 +274,9 @@ double most_asked(const JointLog& log) {
   return most;
 }
 
-// What some run that is fitted must show: a fall, a drive, and, where gains differ, a duty that is
-// nearly the largest, since only that may saturate.
-std::vector<Shows> to_be_shown(const std::vector<JointLog>& logs) {
+// A fall, a drive, and, where gains differ, a duty that is nearly the largest, since only that may
+// saturate.
+std::vector<Shows> all_shown(const std::vector<JointLog>& logs) {
   constexpr double kNearly = 0.9;
   std::vector<Shows> all;
   for (const bool torque : {false, true}) {
@@ -270,29 +298,14 @@ std::vector<Shows> to_be_shown(const std::vector<JointLog>& logs) {
 
 }  // namespace
 
-// What no run that is fitted shows the fit cannot know, and what it predicts of others is a guess.
-// Then the first run that does is fitted, and of the others as many are held out as else.
-Groups JointsProblem::held_out_third() const {
-  Groups held = held_out_groups(facts_.groups), trains(facts_.groups.size(), 0);
-  const auto group = [&](const JointLog& log) {
-    return static_cast<size_t>(facts_.group_of_row[log.rows[0]]);
-  };
-  for (const Shows& shows : to_be_shown(set_.logs)) {
-    const auto first = std::find_if(set_.logs.begin(), set_.logs.end(), shows);
-    const bool trained = std::any_of(set_.logs.begin(), set_.logs.end(), [&](const JointLog& log) {
-      return !held[group(log)] && shows(log);
-    });
-    if (trained || first == set_.logs.end()) continue;
-    trains[group(*first)] = 1;
-    std::vector<std::string> others;
-    for (size_t g = 0; g < trains.size(); ++g) {
-      if (!trains[g]) others.push_back(facts_.groups[g]);
-    }
-    const Groups of_others = held_out_groups(others);
-    auto next = of_others.begin();
-    for (size_t g = 0; g < trains.size(); ++g) held[g] = trains[g] ? 0 : *next++;
+std::vector<Groups> JointsProblem::regimes() const {
+  std::vector<Groups> regimes = Problem::regimes();
+  for (const Shows& shows : all_shown(set_.logs)) {
+    Groups& groups = regimes.emplace_back(facts_.groups.size(), 0);
+    for (const JointLog& log : set_.logs)
+      groups[static_cast<size_t>(facts_.group_of_row[log.rows[0]])] |= shows(log);
   }
-  return held;
+  return regimes;
 }
 
 bool JointsProblem::is_smooth(const Model& model) const {

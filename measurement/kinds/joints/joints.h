@@ -102,8 +102,10 @@ class JointsProblem : public Problem {
   bool is_smooth(const Model& model) const override;
   std::vector<std::string> formula_columns() const override { return set_.column_names; }
   std::vector<char> find_outliers(const Model& model) const override;
-  // With a run at least of each sort, with torque and without, left to be fitted.
-  Groups held_out_third() const override;
+  // At each joint's angle and rate as the model predicts them: what repeats over the turn.
+  std::vector<FieldPlace> field_places(const Model& model, const Evaluation& here) const override;
+  // A fall, a drive, and a duty that may saturate.
+  std::vector<Groups> regimes() const override;
 
  private:
   // By a few rows of these groups first, where they have many.

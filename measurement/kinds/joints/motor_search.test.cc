@@ -5,6 +5,7 @@
 
 #include "effects/registry.h"
 #include "measurement/fitting/assess.h"
+#include "measurement/infer/unnamed.h"
 #include "measurement/judge/decisions.h"
 #include "measurement/judge/material.h"
 #include "measurement/kinds/joints/joints_testing.h"
@@ -88,6 +89,26 @@ TEST(MotorSearch, WhatDependsOnTheAngleAloneAsksForNoMotor) {
   const auto motor = effects::find_effect("motor_servo");
   const EffectList load = {effects::find_effect("gravity_torque")};
   EXPECT_TRUE(problem.starts_together(model_of(lag), *motor, load).empty());
+}
+
+// The measured angle holds the very noise that stands in the residual; the predicted one does not.
+TEST(JointFields, AnErrorThatRepeatsOverTheTurnDependsOnThePredictedAngle) {
+  const Model lag = model_of("  servo_lag: {tau_s: 0.06}\n");
+  const JointsProblem problem =
+      MadeSet("field-angle", /*releases=*/false)
+          .made_by(model_of("  servo_lag: {tau_s: 0.06}\n"
+                            "  encoder_eccentricity: {amplitude_rad: 0.001}\n"),
+                   6);
+  const Evaluation here = problem.evaluate(lag, problem.all_groups(), nullptr);
+  const std::vector<FieldPlace> places = problem.field_places(lag, here);
+  ASSERT_EQ(places.size(), 1u);
+  EXPECT_EQ(places[0].covariates[0].name, "arm");
+  EXPECT_EQ(places[0].covariates[1].name, "arm_rate");
+  const Assessment given = assess_fixed(problem, lag);
+  const auto cause = unnamed_cause(problem, {{&given, given.total_ll}}, kMaterial);
+  ASSERT_TRUE(cause);
+  EXPECT_EQ(cause->depends_on[0][0], "arm");
+  EXPECT_NEAR(cause->error_after, 1, 0.1);
 }
 
 // Friction holds this joint wherever its command calls it: rows at rest say of a motor without any

@@ -219,6 +219,25 @@ void OdometryProblem::place(const Model& given) {
   if (ticks_) add_covariates(walk);
 }
 
+std::vector<Groups> OdometryProblem::regimes() const {
+  std::vector<Groups> regimes = Problem::regimes();
+  std::array<Groups, 8> shown;
+  shown.fill(Groups(facts_.groups.size(), 0));
+  for (const WalkRun& run : runs_) {
+    const auto group = static_cast<size_t>(facts_.group_of_row[run.rows.front()]);
+    const auto show = [&](size_t which, double value) {
+      if (value != 0) shown[2 * which + (value < 0)][group] = 1;
+    };
+    for (const BodyVelocity& command : run.command)
+      show(0, command.vx_mps), show(1, command.vy_mps), show(2, command.omega_radps);
+    double turn_ticks = 0;
+    for (const auto& [left, right] : run.ticks) turn_ticks += right - left;
+    show(3, turn_ticks);
+  }
+  regimes.insert(regimes.end(), shown.begin(), shown.end());
+  return regimes;
+}
+
 void OdometryProblem::check_model(const Model& model) const {
   using effects::Base;
   const effects::ModelEffect* wheels = effects::base_of(model, Base::wheels);

@@ -86,6 +86,8 @@ class OdometryProblem : public Problem {
                       const Evaluation* warm) const override;
   void check_model(const Model& model) const override;
   std::vector<FreeError> free_prediction(const Model& model, const Groups& groups) const override;
+  // Each direction in which a run goes or turns.
+  std::vector<Groups> regimes() const override;
 
  protected:
   void place(const Model& given) override;

@@ -90,6 +90,19 @@ std::vector<std::vector<double>> PhotometryProblem::starts(const Model& model,
   return photometry_starts(small_view_of(*small), view_of(*sum), model, effect);
 }
 
+std::vector<Groups> PhotometryProblem::regimes() const {
+  const Groups none(facts_.groups.size(), 0);
+  std::vector<Groups> regimes(data_.levels.size() + 1, none);
+  for (size_t level = 0; level < data_.levels.size(); ++level) {
+    for (const int frame : data_.levels[level].frames) {
+      const auto group = static_cast<size_t>(facts_.group_of_row[static_cast<size_t>(frame)]);
+      regimes[level][group] = 1;
+      if (data_.levels[level].illumination == 0) regimes.back()[group] = 1;
+    }
+  }
+  return regimes;
+}
+
 double PhotometryProblem::looks(const Model& model, const EffectDefinition& effect) const {
   using effects::StartSearch;
   const StartSearch search = effects::start_rule(effect, facts_.set.kind).search;

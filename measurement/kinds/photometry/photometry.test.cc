@@ -381,5 +381,15 @@ TEST(Photometry, LightThatMovesOverRowsIsLeftToEverySample) {
   EXPECT_FALSE(cell_log_likelihood(data, {}, store, model, 0, true).has_value());
 }
 
+TEST(Photometry, TheDarkAndEachLevelOfLightAreRegimes) {
+  const auto folder = generate("regimes", {}, 1);
+  const std::vector<Groups> regimes = PhotometryProblem(MeasurementSet::open(folder)).regimes();
+  ASSERT_EQ(regimes.size(), 6u);
+  for (const Groups& level : regimes)
+    EXPECT_EQ(std::count(level.begin(), level.end(), 1), kPerLevel);
+  EXPECT_EQ(regimes.back(), regimes.front());
+  std::filesystem::remove_all(folder);
+}
+
 }  // namespace
 }  // namespace seam::measurement

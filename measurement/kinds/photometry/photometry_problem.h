@@ -30,6 +30,8 @@ class PhotometryProblem : public Problem {
   std::vector<std::vector<double>> starts(const Model& model,
                                           const EffectDefinition& effect) const override;
   bool groups_are_independent(const Model&) const override { return false; }
+  // The dark, and each level of light.
+  std::vector<Groups> regimes() const override;
   double looks(const Model& model, const EffectDefinition& effect) const override;
   std::vector<char> find_outliers(const Model& model) const override;
   std::string no_outliers_because() const override;

@@ -55,6 +55,8 @@ class PointsProblem : public Problem {
   std::vector<PlacedPoint> placed_points(const Model& model) const override;
   std::vector<char> find_outliers(const Model& model) const override;
   const std::vector<Groups>& folds() const override;
+  // Each view shows most of the target: no point of it is a regime of its own.
+  std::vector<Groups> regimes() const override { return {}; }
 
  private:
   void join_few_views();
