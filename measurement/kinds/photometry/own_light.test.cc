@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <random>
 
 #include "measurement/kinds/kinds.h"
@@ -120,8 +119,7 @@ TEST(OwnLight, PredictsMeanAndVariance) {
 TEST(OwnLight, CellsEqualEverySample) {
   const auto folder = flat_fields(false);
   Facts facts;
-  PhotometryData data = read_photometry(MeasurementSet::open(folder), facts);
-  data.levels[2].illumination = std::numeric_limits<double>::quiet_NaN();  // To be estimated.
+  const PhotometryData data = read_photometry(MeasurementSet::open(folder), facts);
   const PhotometrySums sums = sum_frames(data, Groups(facts.groups.size(), 1), facts.group_of_row);
   const auto model = [](double light, double fall, const std::string& more) {
     return glow_model(

@@ -45,7 +45,6 @@ class CellLikelihood {
     double mean = 0;   // At the cell's mean light.
     double slope = 0;  // d mean / d light.
     double variance = 1, offset_slope = 1, gain_slope = 0;
-    double lit_slope = 0;             // d mean / d log(light of the scene).
     double wave = 0;                  // d mean / d the second field.
     std::array<double, 2> odd{0, 0};  // A hot, a weak sample's mean less that of others.
   };

@@ -84,7 +84,7 @@ void CellLikelihood::predict_level(size_t k) {
     illumination *= 1 + relative;
     if (step < 3) continue;
     for (size_t cell = 0; cell < sorted_.count(); ++cell)
-      entry(cell, k).mean += entry(cell, k).lit_slope * relative;
+      entry(cell, k).mean += entry(cell, k).gain_slope * relative;
   }
   falls_ = falls_ || !rises_to(per_light * illumination * lamps, per_light);
 }
@@ -150,7 +150,6 @@ void CellLikelihood::fill_channel(size_t k, int c, double scale, double own,
            .variance = here.variance,
            .offset_slope = here.offset_slope,
            .gain_slope = here.gain_slope,
-           .lit_slope = own > 0 ? per_signal * (signal - own_here) : here.gain_slope,
            .wave = own > 0 ? own * per_signal : chain_.wave.amplitude_dn * here.offset_slope,
            .odd = {here.hot_mean - here.mean, here.weak_mean - here.mean}};
     const double low = cells_.low[cell], high = cells_.high[cell];
@@ -167,8 +166,8 @@ double CellLikelihood::correction(size_t k) {
   double slope2 = 0, slope_residual = 0;
   for (size_t cell = 0; cell < sorted_.count(); ++cell) {
     const Entry& here = entry(cell, k);
-    const double w = here.lit_slope / here.variance;
-    slope2 += w * here.lit_slope * sorted_.samples[cell];
+    const double w = here.gain_slope / here.variance;
+    slope2 += w * here.gain_slope * sorted_.samples[cell];
     slope_residual += w * residual_sum(cell, k);
   }
   return slope2 > 0 ? std::clamp(slope_residual / slope2, -0.5, 1.0) : 0;
@@ -322,10 +321,13 @@ void CellLikelihood::add_rows_of_frames(size_t k, const std::vector<double>& var
 
 namespace {
 
-// Whether cells can have the camera's own light as their second field: nothing else is one, and
-// nothing moves the lamps' light alone from frame to frame.
-bool takes_own_light(const effects::SensorChain& chain, bool lamps_flicker) {
-  return !lamps_flicker && chain.lamp_sigma == 0 && chain.weak_fraction == 0 &&
+// Whether cells can have the camera's own light as their second field: nothing else may be one, and
+// what moves the lamps' light alone must not be sought.
+bool takes_own_light(const PhotometryData& data, const PhotometrySums& sums,
+                     const effects::SensorChain& chain, bool lamps_flicker) {
+  const bool is_blank = std::ranges::any_of(
+      sums.present, [&](size_t l) { return std::isnan(data.levels[l].illumination); });
+  return !is_blank && !lamps_flicker && chain.lamp_sigma == 0 && chain.weak_fraction == 0 &&
          !(chain.wave.amplitude_dn > 0);
 }
 
@@ -341,7 +343,7 @@ std::optional<PhotometryScore> cell_score(const PhotometryData& data, const Phot
   const bool share = channels_share || data.channels == 1;
   const effects::SensorChain chain = effects::sensor_of(model);
   if (!effects::OwnLight(model, data.sensor_width(), data.sensor_height()).none() &&
-      !takes_own_light(chain, effects::lamps_flicker(model)))
+      !takes_own_light(data, sums, chain, effects::lamps_flicker(model)))
     return std::nullopt;
   const CellNeeds needs{.products = chain.pixel_offset_sigma_dn > 0 || chain.pixel_gain_sigma > 0,
                         .groups = chain.row_sigma_dn > 0 || chain.column_sigma_dn > 0};
