@@ -114,41 +114,5 @@ TEST(OwnLight, PredictsMeanAndVariance) {
   std::filesystem::remove_all(folder);
 }
 
-// Cells of light and of the glow against every sample: the likelihood, and how it differs between
-// models, which is what fits and comparisons see.
-TEST(OwnLight, CellsEqualEverySample) {
-  const auto folder = flat_fields(false);
-  Facts facts;
-  const PhotometryData data = read_photometry(MeasurementSet::open(folder), facts);
-  const PhotometrySums sums = sum_frames(data, Groups(facts.groups.size(), 1), facts.group_of_row);
-  const auto model = [](double light, double fall, const std::string& more) {
-    return glow_model(
-        fmt::format(", shot_noise: {{electrons_per_dn: 4}}, amplifier_glow: {{light: "
-                    "{}, u0: 0.5, v0: 0.5, fall_u_per_px: {}, fall_v_per_px: {}}}{}",
-                    light, fall, fall, more));
-  };
-  for (const std::string more : {"", ", vignetting: {a2: 0.2}", ", row_noise: {sigma_dn: 0.5}",
-                                 ", pixel_gain_spread: {sigma: 0.01}"}) {
-    const Model start = model(0.1, 1 / 6.0, more);
-    const CellStore store;
-    const auto both = [&](const Model& here) {
-      const auto cells = cell_score(data, sums, store, here, 0, true, true, &start);
-      EXPECT_TRUE(cells.has_value()) << more;
-      return std::pair(
-          cells->log_likelihood,
-          score_photometry(data, sums, predict(data, sums, here, 0), true).log_likelihood);
-    };
-    const auto [cells, all] = both(start);
-    EXPECT_NEAR(cells, all, 1e-4 * std::abs(all)) << more;
-    for (const Model& other : {model(0.1005, 1 / 6.0, more), model(0.102, 1 / 6.0, more),
-                               model(0.1, 1 / 6.02, more), model(0.1, 1 / 6.1, more)}) {
-      const auto [other_cells, other_all] = both(other);
-      const double truth = other_all - all;
-      EXPECT_NEAR(other_cells - cells, truth, 0.02 * std::abs(truth) + 0.3) << more;
-    }
-  }
-  std::filesystem::remove_all(folder);
-}
-
 }  // namespace
 }  // namespace seam::measurement

@@ -45,7 +45,7 @@ class CellLikelihood {
     double mean = 0;   // At the cell's mean light.
     double slope = 0;  // d mean / d light.
     double variance = 1, offset_slope = 1, gain_slope = 0;
-    double wave = 0;                  // d mean / d the second field.
+    double wave = 0;                  // d mean / d wave of amplitude 1.
     std::array<double, 2> odd{0, 0};  // A hot, a weak sample's mean less that of others.
   };
   // By cell, for its samples: the inverse of their covariance between levels, in parts.
@@ -68,10 +68,7 @@ class CellLikelihood {
 
   void predict_level(size_t k);
   void fill(size_t k, double illumination, double lamps, const effects::SensorExposure& exposure);
-  // `scale`, `own`: DN of light of 1, and of the camera's own where it is brightest.
-  void fill_channel(size_t k, int c, double scale, double own,
-                    const effects::SensorExposure& exposure);
-  bool rises_to(double scale, double per_light) const;
+  bool rises_to(double scale) const;
   double correction(size_t k);
   template <typename F>
   std::vector<double> row_averages(size_t k, F&& value);

@@ -15,7 +15,7 @@ namespace seam::measurement {
 namespace {
 
 bool acts_on_light(const effects::ModelEffect& effect) {
-  return effect.definition->gain || effect.definition->optics || effect.definition->own_light;
+  return effect.definition->gain || effect.definition->optics;
 }
 
 // What the field of light depends on.
@@ -80,21 +80,6 @@ std::vector<double> unit_wave(const PhotometryData& data, const effects::Pattern
                   across_sine[u] * down_cosine + across_cosine[u] * down_sine);
   }
   return unit;
-}
-
-// Own light over the brightest of it, and steps that are fine where there is little: of the noise
-// it makes, a tenth of itself counts.
-SecondField steps_of_own_light(std::vector<double> own) {
-  constexpr double kBrightToDark = 255;
-  constexpr size_t kSteps = 256;  // Each 2 % wide.
-  SecondField field{
-      .steps = kSteps, .step = std::vector<double>(own.size()), .value = std::move(own)};
-  const double most = std::max(*std::ranges::max_element(field.value), 1e-300);
-  for (size_t i = 0; i < field.step.size(); ++i) {
-    field.value[i] /= most;
-    field.step[i] = std::log1p(kBrightToDark * field.value[i]) / std::log1p(kBrightToDark);
-  }
-  return field;
 }
 
 // Whether the wave is cut off at some level.
@@ -168,36 +153,23 @@ void place_bounds(LightCells& cells) {
   }
 }
 
-// Whether the second field is about as it was when samples were sorted by it. What matters is the
-// noise that own light makes.
-bool stays_near(const std::vector<double>& own, const LightCells& cells) {
-  constexpr double kShare = 0.25, kOfBrightest = 0.01;
-  if (cells.sorted->centre.empty()) return own.empty();
-  for (size_t i = 0; i < own.size(); ++i) {
-    const double centre = cells.sorted->centre[cells.sorted->of_sample[i]];
-    if (!(std::abs(own[i] - centre) <= kShare * centre + kOfBrightest)) return false;
-  }
-  return true;
-}
-
-// What cells need of the second field.
-void sort_second(const PhotometrySums& sums, const std::vector<double>& unit, LightCells& cells) {
+// The wave of amplitude 1, and what cells need of it.
+void sort_wave(const PhotometryData& data, const PhotometrySums& sums,
+               const effects::PatternWave& wave, LightCells& cells) {
   const SortedSamples& sorted = *cells.sorted;
   for (auto* v : {&cells.wave_sum, &cells.wave2, &cells.wave_offset}) v->assign(sorted.count(), 0);
-  cells.centre = sorted.centre;
-  if (unit.empty()) {
+  if (!(wave.amplitude_dn > 0)) {
     cells.with_wave.assign(sorted.mean.size(), 0);
     return;
   }
-  if (cells.own_light > 0) {  // It moves with its parameters; a wave's steps stay where they are.
-    cells.centre.assign(sorted.count(), 0);
-    for (size_t i = 0; i < unit.size(); ++i) cells.centre[sorted.of_sample[i]] += unit[i];
-    for (size_t cell = 0; cell < sorted.count(); ++cell) cells.centre[cell] /= sorted.samples[cell];
-  }
+  const std::vector<double> unit = unit_wave(data, wave);
   cells.wave.resize(unit.size());
   for (size_t i = 0; i < unit.size(); ++i) {
+    const double centre = sorted.wave_centre.empty() ? 0 : sorted.wave_centre[sorted.of_sample[i]];
+    cells.wave[i] = static_cast<float>(unit[i] - centre);
+  }
+  for (size_t i = 0; i < cells.wave.size(); ++i) {
     const size_t cell = sorted.of_sample[i];
-    cells.wave[i] = static_cast<float>(unit[i] - (cells.centre.empty() ? 0 : cells.centre[cell]));
     const double w = cells.wave[i];
     cells.wave_sum[cell] += w, cells.wave2[cell] += w * w;
     cells.wave_offset[cell] += w * cells.offset[i];
@@ -254,14 +226,8 @@ std::shared_ptr<const SortedSamples> CellStore::sorted(const PhotometryData& dat
   if (auto known = first_that_serves(
           needs, [&](CellNeeds more) { return sorted_.find(with_needs(key, more)); }))
     return known;
-  SecondField second;
-  if (by_wave) {
-    second.steps = 64;
-    for (const double unit : unit_wave(data, wave)) second.step.push_back(0.5 * (unit + 1));
-  } else if (auto own_light = seam::measurement::own_light(data, model); !own_light.empty()) {
-    second = steps_of_own_light(std::move(own_light));
-  }
-  SortedSamples own = sort_samples(data, sums, relative_light(data, model, 0), second, needs);
+  SortedSamples own = sort_samples(data, sums, relative_light(data, model, 0),
+                                   by_wave ? unit_wave(data, wave) : std::vector<double>(), needs);
   const double bytes = bytes_of(own);
   return sorted_.keep(with_needs(key, needs), std::move(own), bytes);
 }
@@ -281,23 +247,17 @@ std::shared_ptr<const LightCells> CellStore::cells(const PhotometryData& data,
     return known;
   const std::vector<double> light = relative_light(data, model, 0);
   LightCells cells;
-  std::vector<double> second = own_light(data, model);
-  if (!second.empty()) {
-    cells.own_light = *std::ranges::max_element(second);
-    second = steps_of_own_light(std::move(second)).value;
-  }
   const auto is_sorted_by = [&](const effects::Model& other) {
     cells.sorted = sorted(data, sums, other, by_wave, needs);
     compare_light(data, light, cells);
-    return stays_narrow(cells) && stays_near(second, cells);
+    return stays_narrow(cells);
   };
   // A parameter may be far smaller than what it is rounded to.
   if (!(near && is_sorted_by(*near)) && !is_sorted_by(with_rounded_light(model)))
     is_sorted_by(model);
   place_bounds(cells);
   cells.with_offset = weighted_sums(sums, *cells.sorted, cells.offset);
-  if (wave.amplitude_dn > 0) second = unit_wave(data, wave);
-  sort_second(sums, second, cells);
+  sort_wave(data, sums, wave, cells);
   cells.in_rows = sums_in(cells.sorted->by_row, cells);
   cells.in_columns = sums_in(cells.sorted->by_column, cells);
   const double bytes = bytes_of(cells);

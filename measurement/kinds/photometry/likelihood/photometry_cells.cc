@@ -73,7 +73,7 @@ void CellLikelihood::predict_level(size_t k) {
   const double per_light = effects::signal_dn(chain_, 1, exposure);
   if (!std::isnan(level.illumination)) {
     fill(k, level.illumination, lamps, exposure);
-    falls_ = falls_ || !rises_to(per_light * level.illumination * lamps, per_light);
+    falls_ = falls_ || !rises_to(per_light * level.illumination * lamps);
     return;
   }
   // Unknown light: as much as fits the level's mean best.
@@ -86,14 +86,14 @@ void CellLikelihood::predict_level(size_t k) {
     for (size_t cell = 0; cell < sorted_.count(); ++cell)
       entry(cell, k).mean += entry(cell, k).gain_slope * relative;
   }
-  falls_ = falls_ || !rises_to(per_light * illumination * lamps, per_light);
+  falls_ = falls_ || !rises_to(per_light * illumination * lamps);
 }
 
 // Whether the response does, to the brightest sample of a level.
-bool CellLikelihood::rises_to(double scale, double per_light) const {
+bool CellLikelihood::rises_to(double scale) const {
   for (int c = 0; c < data_.channels; ++c) {
-    if (!effects::rises_with_light(chain_, scale * cells_.most[c] + per_light * cells_.own_light,
-                                   data_.colour(c), data_.file_bits))
+    if (!effects::rises_with_light(chain_, scale * cells_.most[c], data_.colour(c),
+                                   data_.file_bits))
       return false;
   }
   return true;
@@ -102,11 +102,9 @@ bool CellLikelihood::rises_to(double scale, double per_light) const {
 void CellLikelihood::fill(size_t k, double illumination, double lamps,
                           const effects::SensorExposure& exposure) {
   const double scale = effects::signal_dn(chain_, illumination, exposure) * lamps;
-  const double own = effects::signal_dn(chain_, 1, exposure) * cells_.own_light;
   // Without light and dark current all levels are one.
-  const bool is_dark = scale == 0 && own == 0;
   const bool is_one_of_all =
-      is_dark && chain_.dark_electrons_per_s == 0 && chain_.maps.empty() &&
+      scale == 0 && chain_.dark_electrons_per_s == 0 && chain_.maps.empty() &&
       exposure.gain == data_.levels[sums_.present[dark_level_.value_or(k)]].gain;
   if (is_one_of_all && dark_level_) {
     for (size_t cell = 0; cell < sorted_.count(); ++cell)
@@ -114,50 +112,44 @@ void CellLikelihood::fill(size_t k, double illumination, double lamps,
     return;
   }
   if (is_one_of_all) dark_level_ = k;
-  for (int c = 0; c < data_.channels; ++c) fill_channel(k, c, scale, own, exposure);
-}
-
-void CellLikelihood::fill_channel(size_t k, int c, double scale, double own,
-                                  const effects::SensorExposure& exposure) {
   // Few cells are evaluated themselves; a table serves many.
   constexpr size_t kFewCells = 64;
-  const bool is_dark = scale == 0 && own == 0, by_wave = own == 0 && !cells_.centre.empty();
-  const size_t first = sorted_.first[c], last = sorted_.first[c + 1];
-  std::optional<ResponseTable> table;
-  const double darkest = scale * cells_.least[c], brightest = scale * cells_.most[c] + own;
-  if (!is_dark && !by_wave &&
-      (last - first > kFewCells ||
-       2 * ResponseTable::size_for(chain_, exposure, data_.colour(c), darkest, brightest) <
-           last - first))
-    table.emplace(chain_, exposure, data_.colour(c), noise_, darkest, brightest);
-  Response dark;
-  double dark_wave_dn = std::numeric_limits<double>::quiet_NaN();
-  for (size_t cell = first; cell < last; ++cell) {
-    const double centre = cells_.centre.empty() ? 0 : cells_.centre[cell];
-    const double own_here = own * centre, signal = scale * cells_.light[cell] + own_here;
-    const double wave_dn = by_wave ? chain_.wave.amplitude_dn * centre : 0;
-    if (is_dark && wave_dn != dark_wave_dn) {
-      dark = dark_.of(chain_, exposure, data_.colour(c), noise_, wave_dn);
-      dark_wave_dn = wave_dn;
+  for (int c = 0; c < data_.channels; ++c) {
+    const size_t first = sorted_.first[c], last = sorted_.first[c + 1];
+    std::optional<ResponseTable> table;
+    const double darkest = scale * cells_.least[c], brightest = scale * cells_.most[c];
+    if (scale != 0 && sorted_.wave_centre.empty() &&
+        (last - first > kFewCells ||
+         2 * ResponseTable::size_for(chain_, exposure, data_.colour(c), darkest, brightest) <
+             last - first))
+      table.emplace(chain_, exposure, data_.colour(c), noise_, darkest, brightest);
+    Response dark;
+    double dark_wave_dn = std::numeric_limits<double>::quiet_NaN();
+    for (size_t cell = first; cell < last; ++cell) {
+      const double signal = scale * cells_.light[cell];
+      const double wave_dn =
+          sorted_.wave_centre.empty() ? 0 : chain_.wave.amplitude_dn * sorted_.wave_centre[cell];
+      if (scale == 0 && wave_dn != dark_wave_dn) {
+        dark = dark_.of(chain_, exposure, data_.colour(c), noise_, wave_dn);
+        dark_wave_dn = wave_dn;
+      }
+      const Response here =
+          scale == 0 ? dark
+          : table    ? table->at(signal)
+                     : respond(chain_, exposure, data_.colour(c), noise_, signal, wave_dn);
+      Entry& out = entry(cell, k);
+      out = {.mean = here.mean,
+             .variance = here.variance,
+             .offset_slope = here.offset_slope,
+             .gain_slope = here.gain_slope,
+             .wave = chain_.wave.amplitude_dn * here.offset_slope,
+             .odd = {here.hot_mean - here.mean, here.weak_mean - here.mean}};
+      const double low = cells_.low[cell], high = cells_.high[cell];
+      if (!(high > low)) continue;
+      out.slope = table
+                      ? (table->at(scale * high).mean - table->at(scale * low).mean) / (high - low)
+                      : here.gain_slope / std::max(cells_.light[cell], 1e-12);
     }
-    const Response here = is_dark ? dark
-                          : table
-                              ? table->at(signal)
-                              : respond(chain_, exposure, data_.colour(c), noise_, signal, wave_dn);
-    const double per_signal = signal > 0 ? here.gain_slope / signal : here.offset_slope;
-    Entry& out = entry(cell, k);
-    out = {.mean = here.mean,
-           .variance = here.variance,
-           .offset_slope = here.offset_slope,
-           .gain_slope = here.gain_slope,
-           .wave = own > 0 ? own * per_signal : chain_.wave.amplitude_dn * here.offset_slope,
-           .odd = {here.hot_mean - here.mean, here.weak_mean - here.mean}};
-    const double low = cells_.low[cell], high = cells_.high[cell];
-    if (!(high > low)) continue;
-    out.slope =
-        table ? (table->at(scale * high + own_here).mean - table->at(scale * low + own_here).mean) /
-                    (high - low)
-              : scale * per_signal;
   }
 }
 
@@ -319,32 +311,18 @@ void CellLikelihood::add_rows_of_frames(size_t k, const std::vector<double>& var
   }
 }
 
-namespace {
-
-// Whether cells can have the camera's own light as their second field: nothing else may be one, and
-// what moves the lamps' light alone must not be sought.
-bool takes_own_light(const PhotometryData& data, const PhotometrySums& sums,
-                     const effects::SensorChain& chain, bool lamps_flicker) {
-  const bool is_blank = std::ranges::any_of(
-      sums.present, [&](size_t l) { return std::isnan(data.levels[l].illumination); });
-  return !is_blank && !lamps_flicker && chain.lamp_sigma == 0 && chain.weak_fraction == 0 &&
-         !(chain.wave.amplitude_dn > 0);
-}
-
-}  // namespace
-
 std::optional<PhotometryScore> cell_score(const PhotometryData& data, const PhotometrySums& sums,
                                           const CellStore& store, const effects::Model& model,
                                           double set_noise_dn, bool channels_share, bool counts,
                                           const effects::Model* near) {
   if (depends_on_time(model)) return std::nullopt;
+  // Samples of one light of the lamps have several of the camera's own.
+  if (!effects::OwnLight(model, data.sensor_width(), data.sensor_height()).none())
+    return std::nullopt;
   if (effects::lamps_flicker(model) && effects::timing_of(model).line_delay_s != 0)
     return std::nullopt;
   const bool share = channels_share || data.channels == 1;
   const effects::SensorChain chain = effects::sensor_of(model);
-  if (!effects::OwnLight(model, data.sensor_width(), data.sensor_height()).none() &&
-      !takes_own_light(data, sums, chain, effects::lamps_flicker(model)))
-    return std::nullopt;
   const CellNeeds needs{.products = chain.pixel_offset_sigma_dn > 0 || chain.pixel_gain_sigma > 0,
                         .groups = chain.row_sigma_dn > 0 || chain.column_sigma_dn > 0};
   const auto cells = store.cells(data, sums, model, needs, near);

@@ -35,15 +35,6 @@ struct CellNeeds {
   bool groups = false;
 };
 
-// What a sample's mean depends on beside the light, by sample. Empty: there is none, or one of
-// small height, in which all is linear.
-struct SecondField {
-  size_t steps = 1;          // Within each step of the light.
-  std::vector<double> step;  // From 0 to 1: where a sample is among them.
-  // The cells' centres are the means of these; empty: their steps are of a wave of amplitude 1.
-  std::vector<double> value;
-};
-
 // Samples sorted into cells by channel and a field of light, and what cells know whatever the light
 // is. Levels (k) are those that have frames (PhotometrySums::present).
 struct SortedSamples {
@@ -51,8 +42,9 @@ struct SortedSamples {
   // By cell; cells without samples are left out.
   std::vector<int> channel;
   std::vector<double> samples;
-  // About which value of the second field (SecondField) a cell's samples lay. Empty: about 0.
-  std::vector<double> centre;
+  // The unit wave about which a cell's samples lie, where it is cut off by the file's range at some
+  // level: there nothing is linear in it over its whole height. Empty: 0.
+  std::vector<double> wave_centre;
   std::vector<double> below, above;  // From the samples' mean light to the cell's bounds.
   // By cell * levels + k: sums of a sample's mean over frames, less the reference, of its scatter.
   std::vector<double> mean, scatter;
@@ -82,22 +74,20 @@ struct LightCells {
   std::vector<double> low, high;    // By cell: its bounds.
   std::vector<double> offset2;      // By cell: sum of squared offsets.
   std::vector<double> with_offset;  // By cell * levels + k: sums of products with a sample's mean.
-  // The second field: the wave over the image, of amplitude 1, or the camera's own light over that
-  // where it is brightest. Less its cell's centre: by sample (empty: there is none), sums over each
-  // cell of it, its square, its product with the offset, and by cell * levels + k with the sample's
-  // mean.
+  // The wave over the image, of amplitude 1, less its cell's centre: by sample (empty: there is
+  // none), sums over each cell of it, its square, its product with the offset, and by cell * levels
+  // + k with the sample's mean.
   std::vector<float> wave;
   std::vector<double> wave_sum, wave2, wave_offset, with_wave;
   PlaceSums in_rows, in_columns;  // By group.
   std::vector<double> row_light;  // By row * channels + channel: mean.
-  double own_light = 0;           // The camera's, where it is brightest; 0: none.
-  std::vector<double> centre;     // By cell, of the second field; empty: 0.
   // By channel: the range of light.
   std::vector<double> least, most;
 };
 
+// By light, and by `wave` (of amplitude 1, by sample) where it is not empty.
 SortedSamples sort_samples(const PhotometryData& data, const PhotometrySums& sums,
-                           const std::vector<double>& light, const SecondField& second,
+                           const std::vector<double>& light, const std::vector<double>& wave,
                            CellNeeds needs);
 
 // What was worked out last, by key.

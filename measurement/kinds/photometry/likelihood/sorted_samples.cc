@@ -20,8 +20,10 @@ size_t cells_for(double least, double most, size_t levels, bool by_wave) {
   return static_cast<size_t>(std::clamp(4096 * (most - least) / most, 32.0, finest));
 }
 
-// Provisional cells of each channel: steps of equal width in the light, and of the second field in
-// each.
+// Steps of the wave within each step of the light, where it is cut off.
+constexpr size_t kWaveSteps = 64;
+
+// Provisional cells of each channel: steps of equal width in the light, and of the wave in each.
 struct LightSteps {
   std::vector<size_t> first;  // By channel, and one more.
   std::vector<double> width;  // By channel; 0 where there is one.
@@ -29,7 +31,7 @@ struct LightSteps {
 };
 
 LightSteps steps_of_light(const std::vector<double>& light, size_t channels, size_t levels,
-                          size_t seconds) {
+                          bool by_wave) {
   LightSteps steps{.first = std::vector<size_t>(channels + 1, 0),
                    .width = std::vector<double>(channels, 0),
                    .least = std::vector<double>(channels, 1e300)};
@@ -39,32 +41,29 @@ LightSteps steps_of_light(const std::vector<double>& light, size_t channels, siz
     steps.least[c] = std::min(steps.least[c], light[i]), most[c] = std::max(most[c], light[i]);
   }
   for (size_t c = 0; c < channels; ++c) {
-    const size_t count = cells_for(steps.least[c], most[c], levels, seconds > 1);
-    steps.first[c + 1] = steps.first[c] + count * seconds;
+    const size_t count = cells_for(steps.least[c], most[c], levels, by_wave);
+    steps.first[c + 1] = steps.first[c] + count * (by_wave ? kWaveSteps : 1);
     if (count > 1) steps.width[c] = (most[c] - steps.least[c]) / static_cast<double>(count);
   }
   return steps;
 }
 
 // The cells of the steps that have samples, and the cell of each sample.
-void number_cells(const std::vector<double>& light, const SecondField& second, size_t channels,
-                  size_t levels, SortedSamples& cells) {
-  const size_t waves = second.step.empty() ? 1 : second.steps;
-  auto [first, width, least] = steps_of_light(light, channels, levels, waves);
+void number_cells(const std::vector<double>& light, const std::vector<double>& wave,
+                  size_t channels, size_t levels, SortedSamples& cells) {
+  const size_t waves = wave.empty() ? 1 : kWaveSteps;
+  auto [first, width, least] = steps_of_light(light, channels, levels, waves > 1);
   // Provisional numbers: channel by channel, by light.
   std::vector<uint16_t> place(light.size());
-  std::vector<double> number(first.back(), 0), sum(first.back(), 0), values(first.back(), 0);
+  std::vector<double> number(first.back(), 0), sum(first.back(), 0);
   for (size_t i = 0; i < light.size(); ++i) {
     const size_t c = i % channels;
     const auto step = width[c] > 0 ? static_cast<size_t>((light[i] - least[c]) / width[c]) : 0;
     const size_t own = std::min(step, (first[c + 1] - first[c]) / waves - 1);
     const size_t height =
-        waves == 1
-            ? 0
-            : std::min(static_cast<size_t>(second.step[i] * static_cast<double>(waves)), waves - 1);
+        waves == 1 ? 0 : std::min(static_cast<size_t>(0.5 * (wave[i] + 1) * kWaveSteps), waves - 1);
     place[i] = static_cast<uint16_t>(first[c] + own * waves + height);
     number[place[i]] += 1, sum[place[i]] += light[i];
-    if (!second.value.empty()) values[place[i]] += second.value[i];
   }
   std::vector<uint16_t> kept(first.back(), 0);
   for (size_t c = 0; c < channels; ++c) {
@@ -76,13 +75,9 @@ void number_cells(const std::vector<double>& light, const SecondField& second, s
       cells.samples.push_back(number[p]);
       const double mean = sum[p] / number[p];
       const double low = least[c] + width[c] * static_cast<double>((p - first[c]) / waves);
-      if (!second.value.empty()) {
-        cells.centre.push_back(values[p] / number[p]);
-      } else if (waves > 1) {
-        cells.centre.push_back(2 * (static_cast<double>((p - first[c]) % waves) + 0.5) /
-                                   static_cast<double>(waves) -
-                               1);
-      }
+      if (waves > 1)
+        cells.wave_centre.push_back(
+            2 * (static_cast<double>((p - first[c]) % waves) + 0.5) / kWaveSteps - 1);
       cells.below.push_back(mean - low), cells.above.push_back(low + width[c] - mean);
     }
   }
@@ -158,12 +153,12 @@ void sum_groups(const PhotometrySums& sums, SampleGroups& groups) {
 }  // namespace
 
 SortedSamples sort_samples(const PhotometryData& data, const PhotometrySums& sums,
-                           const std::vector<double>& light, const SecondField& second,
+                           const std::vector<double>& light, const std::vector<double>& wave,
                            CellNeeds needs) {
   SortedSamples cells;
   const size_t levels = sums.present.size();
   const auto channels = static_cast<size_t>(data.channels);
-  number_cells(light, second, channels, levels, cells);
+  number_cells(light, wave, channels, levels, cells);
   cells.all_products = needs.products && (levels <= kFewLevels || cells.count() == channels);
   sum_samples(sums, cells);
   sum_products(sums, cells);
