@@ -23,3 +23,4 @@ echo
 echo "picture: $out/head_swing_speeds.png   above, with all rows at one instant, a beacon stands upright; below, row by row, it slants as the head turns faster"
 echo "frames:  $out/head_swing/   $out/head_swing_speeds/"
 echo "log:     $out/head_swing.mcap   (look at it: build/seam view $out/head_swing.mcap)"
+echo "your own measurements, or samples, in a browser: build/seam workbench"
