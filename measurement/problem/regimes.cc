@@ -33,13 +33,16 @@ class Split {
     for (const Regime& regime : regimes_) add(regime, regime.held, 1, missing_);
   }
 
-  // The exchange after which the fewest are missing, the first of equals; false: none helps.
+  // The exchange after which the fewest are missing, the first of equals; false: none helps. One
+  // that helps brings a group of a regime that is missing on the other side.
   bool exchange() {
     Missing least = missing_;
     size_t in = held_.size(), out = held_.size();
+    const Groups wanted = of_missing();
     for (size_t a = 0; a < held_.size(); ++a) {
       if (!held_[a] || least == Missing{}) continue;
       for (size_t b = 0; b < held_.size(); ++b) {
+        if (!wanted[a] && !wanted[b]) continue;
         const Missing then = held_[b] ? least : missing(a, b);
         if (then < least) least = then, in = a, out = b;
       }
@@ -57,6 +60,16 @@ class Split {
     const Groups* shows;
     std::ptrdiff_t shown, held = 0;
   };
+
+  // Groups of the regimes that one side lacks.
+  Groups of_missing() const {
+    Groups wanted(held_.size(), 0);
+    for (const Regime& regime : regimes_) {
+      if (regime.held != 0 && regime.held != regime.shown) continue;
+      for (size_t g = 0; g < held_.size(); ++g) wanted[g] |= (*regime.shows)[g];
+    }
+    return wanted;
+  }
 
   // What a regime adds, were so many of its groups held out.
   static void add(const Regime& regime, std::ptrdiff_t held, int sign, Missing& missing) {
@@ -99,14 +112,17 @@ std::vector<Groups> regimes_of_labels(const Facts& facts) {
     if (covariate.of_measured || covariate.values.size() != facts.rows() ||
         (!is_label && covariate.type != Covariate::Type::sign))
       continue;
+    // More labels are numbers of things and no conditions.
+    constexpr size_t kMostLabels = 256;
     std::map<double, Groups> shown;
-    for (size_t row = 0; row < facts.rows(); ++row) {
+    for (size_t row = 0; row < facts.rows() && shown.size() <= kMostLabels; ++row) {
       const double value = covariate.values[row];
       // No motion is no direction.
       if (std::isnan(value) || (!is_label && value == 0)) continue;
       Groups& groups = shown.try_emplace(value, facts.groups.size(), 0).first->second;
       groups[static_cast<size_t>(facts.group_of_row[row])] = 1;
     }
+    if (shown.size() > kMostLabels) continue;
     // Labels of which each is one group's number groups or parts of them.
     if (std::none_of(shown.begin(), shown.end(),
                      [](const auto& label) {

@@ -52,6 +52,19 @@ TEST(Regimes, WhatTheHashDividesStaysAsItIs) {
   EXPECT_EQ(held_out_of_each(groups, {Groups(20, 1), Groups(20, 0)}), by_hash);
 }
 
+// What one group alone shows is found among very many.
+TEST(Regimes, AGroupAmongAHundredThousandIsExchanged) {
+  const std::vector<std::string> groups = names(100'000);
+  const Groups by_hash = held_out_groups(groups);
+  const auto alone = static_cast<size_t>(std::ranges::find(by_hash, 1) - by_hash.begin());
+  Groups shows(groups.size(), 0);
+  shows[alone] = 1;
+  Groups expected = by_hash;
+  expected[alone] = 0;
+  expected[static_cast<size_t>(std::ranges::find(by_hash, 0) - by_hash.begin())] = 1;
+  EXPECT_EQ(held_out_of_each(groups, {shows}), expected);
+}
+
 TEST(Regimes, WhereNotAllCanBeMetAllTrain) {
   // Twenty levels of two groups each, of which twelve can be held out.
   std::vector<Groups> regimes;
