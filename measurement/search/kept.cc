@@ -71,7 +71,7 @@ std::vector<Candidate> all_beside(const Problem& problem, const Grown& grown,
 }
 
 // Those of the traces that tell a value of the model wrong where they are left out. Two may stand
-// for one cause: then the likelier says which, and what only the other tells is not wrong.
+// for one cause: then the likelier says which, and what only the other shows is not wrong.
 std::vector<Misleading> that_mislead(const Problem& problem, const Grown& grown,
                                      const std::vector<Candidate>& traces, double looks,
                                      double material) {

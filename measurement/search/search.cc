@@ -349,9 +349,9 @@ SearchResult Searcher::run() {
     forward(result, earlier ? &*earlier : nullptr);
     // Outliers are those of the best model; with others the search is run again.
     const Assessment& best = result.best.assessment;
-    const bool tells = tells_large_errors(model_, best.model);
-    if (given_back && !tells) large_errors = LargeErrors::in_vain;
-    if (large_errors == LargeErrors::open && tells && !problem_.left_out().empty())
+    const bool estimates = estimates_large_errors(model_, best.model);
+    if (given_back && !estimates) large_errors = LargeErrors::in_vain;
+    if (large_errors == LargeErrors::open && estimates && !problem_.left_out().empty())
       large_errors = LargeErrors::proven;
     marks_changed =
         (large_errors == LargeErrors::in_vain ||

@@ -67,7 +67,7 @@ SearchResult search(Problem& problem, const Model& model, const EffectList& own,
                     const Progress& progress, double material = kMaterial);
 
 // Whether an effect that makes large errors now and then was added to the given model.
-bool tells_large_errors(const Model& given, const Model& model);
+bool estimates_large_errors(const Model& given, const Model& model);
 
 // The model that says what an outlier is: the best one, without the large errors now and then that
 // a search gave it where fewer than ten rows have such, which tell no distribution: they are gross.

@@ -28,12 +28,13 @@ void Desk::open(const fs::path& data, const fs::path& session) {
   const std::lock_guard change(changing_);
   {
     const std::lock_guard lock(mutex_);
-    session_ = std::make_unique<Session>(session, data, session_.get());
+    auto next = std::make_unique<Session>(session, data, session_.get());
+    set_key_ = set_key(*next);
+    session_ = std::move(next);
     ++opened_;
     job_ = look_ = nullptr;
     looked_.clear();
     lines_.clear();
-    set_key_ = set_key(*session_);
     for (const Version& version : session_->state().versions)
       looked_[version.id] = looked_before(version);
     const fs::path folder = fs::canonical(data);

@@ -72,6 +72,8 @@ class Desk {
   bool is_open(uint64_t opened, const std::string& version) const;
   // Another version is the current one; the step says which, or throws.
   void move(uint64_t revision, const std::function<void(SessionState&)>& step);
+  void change_rows(uint64_t revision, const std::string& name, const Ranges& ranges,
+                   const std::function<void(std::vector<LeftOut>&, const std::vector<int>&)>& edit);
   void save(SessionState next);
   void commit(Version version);
   void make(uint64_t revision, Version version);

@@ -240,41 +240,42 @@ std::vector<int> Desk::lines_of(const Ranges& ranges) const {
   return lines;
 }
 
-void Desk::leave_out(uint64_t revision, const Ranges& ranges, const std::string& reason) {
-  if (reason.size() > kMostNote) throw UsageError("reason: is too long");
-  const std::string why = one_cell(reason);
-  if (why.empty()) throw UsageError("reason: found none, expected why these rows are left out");
+// A version with the same model, whose rows left out the edit changes.
+void Desk::change_rows(
+    uint64_t revision, const std::string& name, const Ranges& ranges,
+    const std::function<void(std::vector<LeftOut>&, const std::vector<int>&)>& edit) {
   const auto change = only_change();
   Version version;
   {
     const std::lock_guard lock(mutex_);
     session().expect(revision);
     const std::vector<int> lines = lines_of(ranges);
-    version = same_model(session_->state(), "left out: " + why);
+    version = same_model(session_->state(), name);
     take_out(version.left_out, lines);
-    const auto same = std::ranges::find(version.left_out, why, &LeftOut::reason);
-    if (same == version.left_out.end()) {
-      version.left_out.push_back({lines, why});
-    } else {
-      same->lines.insert(same->lines.end(), lines.begin(), lines.end());
-      std::sort(same->lines.begin(), same->lines.end());
-    }
+    edit(version.left_out, lines);
     session_->write_part(model_name(version.id), read_file(session_->model(version.parent)));
   }
   commit(std::move(version));
 }
 
+void Desk::leave_out(uint64_t revision, const Ranges& ranges, const std::string& reason) {
+  if (reason.size() > kMostNote) throw UsageError("reason: is too long");
+  const std::string why = one_cell(reason);
+  if (why.empty()) throw UsageError("reason: found none, expected why these rows are left out");
+  change_rows(revision, "left out: " + why, ranges,
+              [&](std::vector<LeftOut>& left_out, const std::vector<int>& lines) {
+                const auto same = std::ranges::find(left_out, why, &LeftOut::reason);
+                if (same == left_out.end()) {
+                  left_out.push_back({lines, why});
+                } else {
+                  same->lines.insert(same->lines.end(), lines.begin(), lines.end());
+                  std::sort(same->lines.begin(), same->lines.end());
+                }
+              });
+}
+
 void Desk::take_back(uint64_t revision, const Ranges& ranges) {
-  const auto change = only_change();
-  Version version;
-  {
-    const std::lock_guard lock(mutex_);
-    session().expect(revision);
-    version = same_model(session_->state(), "taken back");
-    take_out(version.left_out, lines_of(ranges));
-    session_->write_part(model_name(version.id), read_file(session_->model(version.parent)));
-  }
-  commit(std::move(version));
+  change_rows(revision, "taken back", ranges, [](auto&, const auto&) {});
 }
 
 void Desk::select(const Ranges& ranges) {

@@ -187,7 +187,7 @@ class WaveOverAngle {
 
 }  // namespace
 
-// As many as the joint's way tells apart over the range of frequencies, twice: between two of them
+// As many as the joint's way separates over the range of frequencies, twice: between two of them
 // a wave loses a third of its height at most.
 double JointsProblem::looks(const Model& model, const EffectDefinition& effect) const {
   if (effects::start_rule(effect, facts_.set.kind).search != effects::StartSearch::frequency)

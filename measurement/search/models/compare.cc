@@ -85,7 +85,7 @@ Model with_large_errors(Problem& problem, const Grown& best) {
   return found;
 }
 
-// What is left out for being large is what tells the size of large errors.
+// What is left out for being large is what the size of large errors is estimated from.
 Model fitted_to_all_rows(Problem& problem, const Grown& best) {
   const std::vector<char> marked = problem.left_out();
   problem.leave_out({});
@@ -106,17 +106,17 @@ Model without_large_errors(const Model& given, const Model& model) {
 
 }  // namespace
 
-bool tells_large_errors(const Model& given, const Model& model) {
+bool estimates_large_errors(const Model& given, const Model& model) {
   return without_large_errors(given, model).effects().size() < model.effects().size();
 }
 
 Model judge_of_outliers(Problem& problem, const Model& given, const Grown& best,
                         LargeErrors large_errors) {
   const Model& model = best.assessment.model;
-  const bool tells = tells_large_errors(given, model);
-  if (tells && large_errors == LargeErrors::proven) return fitted_to_all_rows(problem, best);
+  const bool estimates = estimates_large_errors(given, model);
+  if (estimates && large_errors == LargeErrors::proven) return fitted_to_all_rows(problem, best);
   if (large_errors == LargeErrors::in_vain) return model;
-  if (!tells) return with_large_errors(problem, best);
+  if (!estimates) return with_large_errors(problem, best);
   const Model without = without_large_errors(given, model);
   return are_few(rows_of(problem, problem.find_outliers(without))) ? without : model;
 }

@@ -152,11 +152,7 @@ void Session::read(const fs::path& data) {
         fmt::format("{}: is a session of {}, expected one of {}: name another folder "
                     "with --session",
                     folder_.string(), shown(state_.data), data.string()));
-  for (const Version& version : state_.versions) {
-    // A session that is opened again may stand on another disk.
-    if (!fs::exists(model(version.id)))
-      throw InputError(fmt::format("{}: is missing", model(version.id).string()));
-  }
+  expect_models(state_);  // A session that is opened again may stand on another disk.
   // The program may have been ended between the two files that a step writes.
   const std::string table = left_out_table(state_.version(state_.current).left_out);
   const fs::path left_out = path_inside(folder_, kLeftOut);
@@ -190,13 +186,17 @@ void Session::write_part(const std::string& name, const std::string& text) const
   }
 }
 
+void Session::expect_models(const SessionState& state) const {
+  for (const Version& version : state.versions) {
+    if (!fs::exists(model(version.id)))
+      throw InputError(fmt::format("{}: is missing", model(version.id).string()));
+  }
+}
+
 // Both files are whole on the disk before one takes its place.
 void Session::write(const SessionState& next) const {
   try {
-    for (const Version& version : next.versions) {
-      if (!fs::exists(model(version.id)))
-        throw InputError(fmt::format("{}: is missing", model(version.id).string()));
-    }
+    expect_models(next);
     OutputFile left_out(path_inside(folder_, kLeftOut)), session(path_inside(folder_, kSession));
     left_out.write(left_out_table(next.version(next.current).left_out));
     session.write(to_json(next).dump(1) + "\n");

@@ -78,6 +78,8 @@ class Session {
   void begin(const std::filesystem::path& data, const std::filesystem::path& nominal);
   void read(const std::filesystem::path& data);
   void write(const SessionState& next) const;
+  // Throws InputError where the model of a version is gone.
+  void expect_models(const SessionState& state) const;
 
   std::filesystem::path folder_;
   std::shared_ptr<const FolderLock> lock_;
