@@ -105,7 +105,7 @@ ROOMS = {
         "report/curves": ["problem"],
         "report": ["report/columns", "report/curves", "sets", "problem", "fitting", "infer", "judge", "search", "search/models",
                    "suggest", "check"],
-        "plan": ["sets", "problem", "kinds", "numerics", "fitting", "judge", "search", "report"],
+        "plan": ["sets", "check", "problem", "kinds", "numerics", "fitting", "judge", "search", "report"],
         "study": ["imaging", "kinds", "judge", "search"],
     },
     "robot_sdk": {

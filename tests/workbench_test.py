@@ -15,6 +15,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 import urllib.error
@@ -102,6 +103,20 @@ class Page:
 
     def looked_at(self, name):
         return self.until(lambda: (one := self.version(name))["error"] is not None and one)
+
+    def events(self, last=None):
+        """What the stream says, behind the event of this number."""
+        request = urllib.request.Request(f"{self.address}api/events", headers={**self.headers, **({"Last-Event-ID": last} if last else {})})
+        with urllib.request.urlopen(request, timeout=LIMIT_S) as stream:
+            event = {}
+            while True:
+                line = stream.readline().decode().rstrip("\n")
+                key, _, value = line.partition(": ")
+                if value:  # No comment.
+                    event[key] = value
+                elif event:
+                    yield event
+                    event = {}
 
     def end(self, number=signal.SIGTERM):
         self.process.send_signal(number)
@@ -309,22 +324,42 @@ class Workbench(OfTheRoom):
         with self.page() as page:
             page.table("rows?version=001")
             page.ask("cancel", {})
-
-            def read(headers):
-                request = urllib.request.Request(f"{page.address}api/events", headers={**page.headers, **headers})
-                with urllib.request.urlopen(request, timeout=LIMIT_S) as stream:
-                    event = {}
-                    while (line := stream.readline().decode().rstrip("\n")) or not event:
-                        key, _, value = line.partition(": ")
-                        if value:  # No comment.
-                            event[key] = value
-                    return event
-
-            first = read({})
+            first = next(page.events())
             self.assertEqual(first["event"], "state")
             page.change("note", version="001", note="one")
-            again = read({"Last-Event-ID": first["id"]})
+            again = next(page.events(first["id"]))
             self.assertGreater(int(again["id"]), int(first["id"]))
+
+    def test_a_plan_says_how_far_it_is_and_can_be_cancelled(self):
+        with self.page() as page:
+            page.table("rows?version=001")
+            page.ask("cancel", {})
+            first = next(page.events())["id"]
+            plan = page.ask("plan", {"effects": []}).json  # Of all effects: a second or more.
+            whole = [one["effect"] for one in plan["not_planned"] if not one["parameter"]]
+            planned = {one["effect"] for one in plan["effects"]}
+            self.assertEqual((len(set(whole)), planned & set(whole)), (len(whole), set()))
+            self.assertLessEqual({one["effect"] for one in plan["not_planned"] if one["parameter"]}, planned)
+            said = []
+            for event in page.events(first):
+                data = json.loads(event["data"])
+                if event["event"] == "job":
+                    said.append(data)
+                elif event["event"] == "state" and said and data["job"] is None:
+                    first = event["id"]
+                    break
+            self.assertEqual({job["what"] for job in said}, {"plan"})
+            counted = [job for job in said if job["doing"] == "planning: effects planned"]
+            self.assertTrue(all(0 <= job["done"] <= job["of"] for job in said), said)
+            self.assertTrue(any(job["done"] > 0 for job in counted), said)
+            answers = []
+            asking = threading.Thread(target=lambda: answers.append(page.ask("plan", {"effects": []})))
+            asking.start()
+            next(event for event in page.events(first) if event["event"] == "job")
+            page.ask("cancel", {})
+            asking.join()
+            self.assertEqual(answers[0].status, 409, answers[0].content)
+            self.assertIsNone(page.state["job"])
 
     def test_who_may_ask(self):
         with self.page(enter=False) as page:

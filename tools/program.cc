@@ -13,6 +13,7 @@
 #include "sim_core/input/shown_text.h"
 #include "sim_core/signals/half_made.h"
 #include "tools/command.h"
+#include "tools/work_lines.h"
 
 namespace seam::tools {
 namespace {
@@ -52,6 +53,7 @@ int run_program(const std::string& name, const std::function<int()>& work) {
   remove_half_made_on_signals();
   try {
     open_standard_streams();
+    const WorkLines lines;
     return finish_output(name, work());
   } catch (const ExitCode& exit) {
     return finish_output(name, exit.code);

@@ -4,6 +4,7 @@
 
 #include "app/import/recognise.h"
 #include "sim_core/base/error.h"
+#include "sim_core/system/work_tally.h"
 
 namespace seam::app {
 std::string import_set(const ImportKind& kind, const ImportRequest& request,
@@ -31,6 +32,7 @@ std::string import_set(const ImportKind& kind, const ImportRequest& request,
     const std::string other = other_import_for(request.sources, kind.name);
     return other.empty() ? error.what() : fmt::format("{}\n{}", error.what(), other);
   };
+  say_work("reading " + from);
   try {
     kind.fill(asked, draft);
   } catch (const InputError& error) {
@@ -39,6 +41,7 @@ std::string import_set(const ImportKind& kind, const ImportRequest& request,
     throw UsageError(with_other(error));
   }
   draft.title = title.empty() ? fmt::format("Imported from {} ({})", from, kind.name) : title;
+  say_work("checking the set");
   draft.finish(from);
   return draft.text();
 }

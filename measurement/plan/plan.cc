@@ -9,6 +9,7 @@
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/numerics/regression.h"
 #include "sim_core/base/error.h"
+#include "sim_core/system/work_tally.h"
 
 namespace seam::measurement {
 namespace {
@@ -85,10 +86,14 @@ Planner::Planner(Problem& problem, const Model& model, const PlanOptions& option
   const EffectList absent = absent_effects(problem, model, {});
   std::vector<std::optional<Prospect>> prospects(absent.size());
   std::vector<std::vector<NotTestable>> reasons(absent.size());
-  parallel_for(absent.size(), [&](size_t i) {
-    prospects[i] = prospect_of(problem, base_, absent[i], reasons[i], /*alone=*/false,
-                               near ? &*near : nullptr);
-  });
+  {
+    const Work work("effects looked at", absent.size());
+    parallel_for(absent.size(), [&](size_t i) {
+      prospects[i] = prospect_of(problem, base_, absent[i], reasons[i], /*alone=*/false,
+                                 near ? &*near : nullptr);
+      work.done();
+    });
+  }
   for (size_t i = 0; i < absent.size(); ++i) {
     looks_ += prospects[i].has_value();
     not_testable_.insert(not_testable_.end(), reasons[i].begin(), reasons[i].end());
@@ -258,6 +263,25 @@ PlannedEffect Planner::of_model(const std::string& effect) const {
   return out;
 }
 
+// Why effects are not planned, one by one, and parameters of those that are.
+std::vector<NotTestable> Planner::told_once(const std::vector<NotTestable>& reasons,
+                                            const std::vector<const Seen*>& planned) {
+  std::vector<NotTestable> told;
+  for (const NotTestable& reason : reasons) {
+    const bool is_planned = std::ranges::any_of(
+        planned, [&](const Seen* seen) { return seen->effect->name == reason.effect; });
+    const auto same = std::ranges::find_if(told, [&](const NotTestable& other) {
+      return other.effect == reason.effect && other.parameter.empty();
+    });
+    if (is_planned || same == told.end()) {
+      told.push_back({reason.effect, is_planned ? reason.parameter : "", reason.why});
+    } else if (same->why.find(reason.why) == std::string::npos) {
+      same->why += "; " + reason.why;
+    }
+  }
+  return told;
+}
+
 Plan Planner::plan() const {
   Plan plan{
       .residuals = count_used(problem_), .groups = problem_.facts().groups.size(), .looks = looks_};
@@ -284,8 +308,10 @@ Plan Planner::plan() const {
       plan.not_planned.push_back({one.effect->name, "", one.why_not});
     }
   }
-  for (const NotTestable& n : not_testable_) {
-    if (wanted(n.effect)) plan.not_planned.push_back(n);
+  for (NotTestable& n : told_once(not_testable_, planned)) {
+    const Seen* seen = find(n.effect);
+    const bool said = seen != nullptr && !seen->why_not.empty();
+    if (wanted(n.effect) && !said) plan.not_planned.push_back(std::move(n));
   }
   for (const std::string& name : asked) {
     const bool listed = std::any_of(plan.not_planned.begin(), plan.not_planned.end(),
@@ -295,6 +321,7 @@ Plan Planner::plan() const {
   }
   const size_t first = plan.effects.size();
   plan.effects.resize(first + planned.size());
+  const Work work("effects planned", planned.size());
   parallel_for(planned.size(), [&](size_t i) {
     PlannedEffect& out = plan.effects[first + i];
     out.effect = planned[i]->effect->name;
@@ -305,6 +332,7 @@ Plan Planner::plan() const {
       if (!at && !sized.shift.empty()) at = std::move(sized);
     }
     if (at) out.ties = ties_of(*planned[i], *at);
+    work.done();
   });
   return plan;
 }

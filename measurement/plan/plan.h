@@ -98,6 +98,8 @@ class Planner {
   std::vector<PlannedTie> ties_of(const Seen& seen, const Sized& sized) const;
   double gain_beside(const Seen& other, const std::vector<double>& shift) const;
   PlannedEffect of_model(const std::string& effect) const;
+  static std::vector<NotTestable> told_once(const std::vector<NotTestable>& reasons,
+                                            const std::vector<const Seen*>& planned);
 
   const Problem& problem_;
   PlanOptions options_;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "measurement/check/describe.h"
 #include "measurement/report/finite_or_null.h"
 
 namespace seam::measurement {
@@ -49,7 +50,8 @@ ordered_json effects_json(const Plan& plan) {
   for (const PlannedEffect& effect : plan.effects) {
     ordered_json parameters = ordered_json::object(), found = ordered_json::object();
     for (const PlannedParameter& p : effect.parameters) {
-      parameters[p.name] = {{"sigma", finite_or_null<ordered_json>(p.sigma)}};
+      parameters[p.name] = {{"sigma", finite_or_null<ordered_json>(p.sigma)},
+                            {"unit", unit_of(p.name)}};
       if (!effect.in_model)
         found[p.name] = p.smallest_found ? ordered_json(*p.smallest_found) : ordered_json(nullptr);
     }

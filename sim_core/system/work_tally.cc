@@ -52,4 +52,8 @@ void Work::done() const {
   if (tally_ != nullptr) ++tally_->done_;
 }
 
+void Work::done_so_far(uint64_t pieces) const {
+  if (tally_ != nullptr) tally_->done_ = pieces;
+}
+
 }  // namespace seam

@@ -53,6 +53,8 @@ class Work {
 
   // One piece more is done.
   void done() const;
+  // So many are, of pieces too small to be counted one by one.
+  void done_so_far(uint64_t pieces) const;
 
  private:
   WorkTally* tally_;  // Null where nobody watches, or another part is counted.

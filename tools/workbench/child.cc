@@ -11,11 +11,14 @@
 
 #include "sim_core/base/error.h"
 #include "sim_core/system/own_files.h"
+#include "tools/work_lines.h"
 
 namespace seam::tools {
 namespace {
 
 constexpr size_t kMostErrorBytes = 16384;
+
+const std::string kWithWorkLines = std::string(kWorkLines) + "=1";
 
 // Both ends of a pipe, closed when they go.
 struct Pipe {
@@ -61,6 +64,10 @@ void Child::start(const std::vector<std::string>& arguments, const std::filesyst
   std::vector<char*> argv = {const_cast<char*>(program.c_str())};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
+  std::vector<char*> environment = {const_cast<char*>(kWithWorkLines.c_str())};
+  for (char** variable = environ; *variable != nullptr; ++variable)
+    environment.push_back(*variable);
+  environment.push_back(nullptr);
   const pid_t parent = ::getpid();
   const std::lock_guard lock(mutex_);
   if (stopped_) return;
@@ -82,7 +89,7 @@ void Child::start(const std::vector<std::string>& arguments, const std::filesyst
       ::dup2(errors, STDERR_FILENO) < 0 || ::chdir(folder.c_str()) != 0)
     ::_exit(127);
   ::close_range(STDERR_FILENO + 1, ~0U, 0);  // Connections of the page.
-  ::execv(argv[0], argv.data());
+  ::execve(argv[0], argv.data(), environment.data());
   ::_exit(127);
 }
 

@@ -1,5 +1,5 @@
 // A command of this program in a process of its own, which can be ended at any moment: what the
-// page asks of the engine runs so.
+// page asks of the engine runs so. It says how far it is (tools/work_lines.h).
 #pragma once
 
 #include <sys/types.h>

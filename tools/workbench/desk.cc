@@ -280,6 +280,14 @@ void Desk::said(const LookJob& job, const json& event) {
   const std::string what = event.value("event", "");
   const std::lock_guard lock(mutex_);
   if (!is_open(job.opened, version)) return;
+  if (what == "work") {
+    // While candidates are counted, what goes on inside of one is no news.
+    if (look_.is_object() && look_.value("done", 0) < look_.value("of", 0)) return;
+    if (!look_.is_object()) look_ = {{"done", 0}, {"of", 0}, {"version", version}};
+    look_["what"] = event.value("doing", "");
+    events_.publish("progress", look_);
+    return;
+  }
   if (event.contains("done")) {
     look_ = {{"what", event.value("what", "")},
              {"done", event.value("done", 0)},

@@ -70,6 +70,10 @@ class Desk {
   std::unique_lock<std::mutex> only_change();
   // Whether what was computed is of the session that is open, and of a version that it has.
   bool is_open(uint64_t opened, const std::string& version) const;
+  // Runs a command that changes something, or that answers; `what` names it while it runs.
+  void run_job(const std::string& what, const std::vector<std::string>& command,
+               const std::filesystem::path& folder);
+  void show_job(nlohmann::json job);
   // Another version is the current one; the step says which, or throws.
   void move(uint64_t revision, const std::function<void(SessionState&)>& step);
   void change_rows(uint64_t revision, const std::string& name, const Ranges& ranges,

@@ -134,21 +134,36 @@ void Desk::make(uint64_t revision, Version version) {
     version.arguments = arguments_of(now, version);
     if (!version.formula.empty()) session_->write_part(formula_name(version.id), version.formula);
     folder = session_->folder();
-    job_ = {{"what", version.arguments[0] + " " + version.name}, {"done", 0}, {"of", 0}};
-    events_.publish("state", state_unlocked());
   }
+  run_job(version.arguments[0] + " " + version.name, version.arguments, folder);
+  commit(std::move(version));
+}
+
+void Desk::show_job(nlohmann::json job) {
+  const std::lock_guard lock(mutex_);
+  job_ = std::move(job);
+  events_.publish("state", state_unlocked());
+}
+
+// The job stays in the state where the command did what it should: what follows takes it away.
+void Desk::run_job(const std::string& what, const std::vector<std::string>& command,
+                   const fs::path& folder) {
+  show_job({{"what", what}, {"doing", ""}, {"done", 0}, {"of", 0}});
   try {
-    looking_->run_alone(version.arguments, folder);
-  } catch (...) {
-    {
+    looking_->run_alone(command, folder, [&](const nlohmann::json& event) {
+      if (event.value("event", "") != "work") return;
       const std::lock_guard lock(mutex_);
-      job_ = nullptr;
-      events_.publish("state", state_unlocked());
-    }
+      job_ = {{"what", what},
+              {"doing", event.value("doing", "")},
+              {"done", event.value("done", uint64_t{0})},
+              {"of", event.value("of", uint64_t{0})}};
+      events_.publish("job", job_);
+    });
+  } catch (...) {
+    show_job(nullptr);
     look_at_current();
     throw;
   }
-  commit(std::move(version));
 }
 
 // The version is the current one from now on.
@@ -292,20 +307,8 @@ void Desk::cancel() {
 void Desk::prepare(const std::string& what, const std::vector<std::string>& command,
                    const fs::path& folder) {
   const auto change = only_change();
-  const auto show = [&](nlohmann::json job) {
-    const std::lock_guard lock(mutex_);
-    job_ = std::move(job);
-    events_.publish("state", state_unlocked());
-  };
-  show({{"what", what}, {"done", 0}, {"of", 0}});
-  try {
-    looking_->run_alone(command, folder);
-  } catch (...) {
-    show(nullptr);
-    look_at_current();
-    throw;
-  }
-  show(nullptr);
+  run_job(what, command, folder);
+  show_job(nullptr);
 }
 
 nlohmann::json Desk::ask(std::vector<std::string> command, const std::string& name) {
@@ -320,12 +323,8 @@ nlohmann::json Desk::ask(std::vector<std::string> command, const std::string& na
     command.push_back(file);
   }
   const std::string file = command.back();
-  try {
-    looking_->run_alone(command, folder);
-  } catch (...) {
-    look_at_current();
-    throw;
-  }
+  run_job(command.front(), command, folder);
+  show_job(nullptr);
   look_at_current();
   return fs::path(file).extension() == ".json" ? json_of(folder / file)
                                                : nlohmann::json((folder / file).string());

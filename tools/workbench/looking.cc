@@ -19,6 +19,14 @@ std::string trouble_of(const Child::Ended& ended) {
   return text.empty() ? fmt::format("the command ended with code {}", ended.code) : text;
 }
 
+// Of a command's lines those that are events.
+Child::Line events_to(std::function<void(const nlohmann::json&)> said) {
+  return [said = std::move(said)](std::string_view line) {
+    const auto event = nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
+    if (event.is_object()) said(event);
+  };
+}
+
 }  // namespace
 
 Looking::Looking(Said said, Ended ended) : said_(std::move(said)), ended_(std::move(ended)) {
@@ -60,7 +68,8 @@ bool Looking::runs(uint64_t opened, const std::string& version) const {
 }
 
 void Looking::run_alone(const std::vector<std::string>& command,
-                        const std::filesystem::path& folder) {
+                        const std::filesystem::path& folder,
+                        const std::function<void(const nlohmann::json&)>& said) {
   {
     std::unique_lock lock(mutex_);
     if (alone_) throw Refusal(409, "another change is being computed: wait for it, or cancel it");
@@ -73,7 +82,7 @@ void Looking::run_alone(const std::vector<std::string>& command,
   Child::Ended ended;
   std::string failed;
   try {
-    ended = child_.run(command, folder);
+    ended = child_.run(command, folder, events_to(said));
   } catch (const std::exception& error) {
     failed = error.what();
   }
@@ -114,10 +123,8 @@ void Looking::run(const LookJob& job) {
   bool stopped = false;
   for (const auto& command : job.commands) {
     try {
-      const Child::Ended ended = child_.run(command, job.folder, [&](std::string_view line) {
-        const auto event = nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
-        if (event.is_object()) said_(job, event);
-      });
+      const Child::Ended ended =
+          child_.run(command, job.folder, events_to([&](const auto& event) { said_(job, event); }));
       stopped = ended.stopped;
       if (!stopped && ended.code != 0) trouble = trouble_of(ended);
     } catch (const std::exception& error) {

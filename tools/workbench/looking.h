@@ -34,9 +34,10 @@ class Looking {
   void want(LookJob job);
   // Ends whatever runs; a job that was wanted is forgotten.
   void cancel();
-  // Runs one command while no look runs. Throws Refusal where another such runs, or it was
-  // cancelled; InputError with its own words where it fails.
-  void run_alone(const std::vector<std::string>& command, const std::filesystem::path& folder);
+  // Runs one command while no look runs; `said` gets the events on its lines. Throws Refusal where
+  // another such runs, or it was cancelled; InputError with its own words where it fails.
+  void run_alone(const std::vector<std::string>& command, const std::filesystem::path& folder,
+                 const std::function<void(const nlohmann::json&)>& said);
   bool runs(uint64_t opened, const std::string& version) const;
 
  private:

@@ -17,6 +17,7 @@ ReadingProgress::ReadingProgress(std::string source, uint64_t all, const char* u
       all_(all),
       unit_(unit),
       unit_size_(unit_size),
+      work_(unit, static_cast<size_t>(static_cast<double>(all) / unit_size)),
       terminal_(isatty(STDERR_FILENO) != 0),
       next_(start_ + std::chrono::seconds(2)) {}
 
@@ -25,6 +26,7 @@ ReadingProgress::~ReadingProgress() {
 }
 
 void ReadingProgress::at(uint64_t done) {
+  work_.done_so_far(static_cast<uint64_t>(static_cast<double>(done) / unit_size_));
   if (!terminal_ || all_ == 0) return;
   const auto now = steady_clock::now();
   if (now < next_) return;

@@ -1,9 +1,11 @@
-// How far the reading of long files is, on a terminal.
+// How far the reading of long files is, on a terminal and for who watches.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <string>
+
+#include "sim_core/system/work_tally.h"
 
 namespace seam::app {
 
@@ -25,6 +27,7 @@ class ReadingProgress {
   uint64_t all_;
   const char* unit_;
   double unit_size_;
+  Work work_;
   bool terminal_, shown_ = false;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), next_;
 };

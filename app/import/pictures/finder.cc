@@ -16,6 +16,7 @@
 
 #include "sim_core/base/error.h"
 #include "sim_core/system/own_files.h"
+#include "sim_core/system/work_tally.h"
 
 namespace seam::app {
 namespace {
@@ -173,6 +174,7 @@ std::vector<PictureAnswer> find_targets(const std::vector<fs::path>& pictures,
     readers.push_back(std::make_unique<Reader>(command));
   std::vector<PictureAnswer> answers(pictures.size());
   size_t next = 0, done = 0;
+  const Work work("pictures", pictures.size());
   const auto give_work = [&](Reader& reader) {
     if (next < pictures.size()) reader.ask(next, pictures[next].string()), ++next;
   };
@@ -190,6 +192,7 @@ std::vector<PictureAnswer> find_targets(const std::vector<fs::path>& pictures,
       if (!(ready > 0 ? reader.take(text) : reader.give_up(text))) continue;
       answers[reader.picture()] = answer_of(text, target.points.size());
       on_answer(++done);
+      work.done();
       give_work(reader);
     }
   }
