@@ -2,6 +2,7 @@
 import json
 import math
 import pathlib
+import re
 import resource
 import signal
 import subprocess
@@ -13,6 +14,8 @@ MOST_ALTERNATIVES = 4
 # Signals of the limit on processor time.
 ENDS = {signal.SIGXCPU: "timeout", signal.SIGKILL: "timeout"}
 FIELDS = {"names", "unexplained", "error", "cpu_s", "failed"}
+# What a program says of a cause that it has no name for, where it does.
+OF_UNNAMED = {"depends_on", "formula_error"}
 
 
 class BadAnswer(Exception):
@@ -44,7 +47,7 @@ def read(path):
     if not isinstance(text.get("program"), str) or not isinstance(text.get("answers"), dict):
         raise BadAnswer(f"{path}: expected 'program', a text, and 'answers', by the names of sets")
     for name, given in text["answers"].items():
-        if set(given) != FIELDS:
+        if set(given) - OF_UNNAMED != FIELDS:
             raise BadAnswer(f"{path}: {name} has the fields {sorted(given)}, expected {sorted(FIELDS)}")
         if not isinstance(given["unexplained"], bool):
             raise BadAnswer(f"{path}: {name}: unexplained is {given['unexplained']!r}, expected true or false")
@@ -70,15 +73,37 @@ def write(path, program, answers, **more):
 
 # -- SEAM -------------------------------------------------------------------------------------------------------------
 
+# Variables of formulas by the names of the quantities that they are.
+VARIABLES = {"t": "time", "q": "command_rad", "x": "column", "y": "row", "u": "column", "v": "row", "r2": "radius",
+             "vx": "vx_cmd_mps", "vy": "vy_cmd_mps", "omega": "omega_cmd_radps", "theta": "heading"}
+
+
+def variables_of(formula):
+    """Of the terms behind an output's name and its colon."""
+    words = {word for part in formula.split(";") for word in re.findall(r"[A-Za-z_]\w*", part.partition(":")[2])}
+    return sorted(VARIABLES.get(word, word) for word in words - {"sin", "cos", "pi", "sign", "abs"})
+
+
 def of_discover(found):
     """The answer that a result of `seam discover --json` is."""
     names = []
+    said = re.search(r"((?:[\w@.-]+, )*[\w@.-]+) (?:is|are) missing", found["headline"])
+    stated = said.group(1).split(", ") if said else []
     for step in found["steps"]:
         values = {name: [v["value"], v["sigma"]] for name, v in step["parameters"].items()
                   if v["value"] is not None and v["sigma"] is not None}
         names.append({"effect": step["effect"], "or": step.get("indistinguishable_from", [])[:MOST_ALTERNATIVES],
-                      "values": values})
-    return answer(names, found["verdict"] == "unexplained_structure", found["error"])
+                      "values": values} | ({} if step["effect"] in stated else {"hint": True}))
+    unexplained = found["verdict"] == "unexplained_structure"
+    given = answer(names, unexplained, found["error"])
+    if unexplained:
+        depends_on = [name for names in found.get("unnamed_cause", {}).get("depends_on", []) for name in names]
+        if not depends_on and found["structure"]:
+            depends_on = re.split(r"[*]", found["structure"][0]["covariate"])
+        given["depends_on"] = depends_on + variables_of(found.get("suggestion", {}).get("formula", ""))
+        if "suggestion" in found:
+            given["formula_error"] = found["suggestion"]["error"]
+    return given
 
 
 def run_seam(binary, folder, timeout_s):

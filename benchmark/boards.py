@@ -3,6 +3,7 @@ import math
 
 import numpy as np
 
+import outside
 from draws import Draw
 from sets import Free, MadeSet, TIE_SIZE, TRACE_SIZE, noise_line, rows
 
@@ -37,7 +38,8 @@ def bent(effects, x, y):
     s = effects.get("thin_prism", {})
     grown = 1 + r2 * (k.get("k1", 0) + r2 * (k.get("k2", 0) + r2 * k.get("k3", 0)))
     p1, p2 = t.get("p1", 0), t.get("p2", 0)
-    return (x * grown + 2 * p1 * x * y + p2 * (r2 + 2 * x * x) + s.get("s1", 0) * r2,
+    x_bent = x + outside.of(effects, "windscreen", "a") * x ** 3
+    return (x_bent - x + x * grown + 2 * p1 * x * y + p2 * (r2 + 2 * x * x) + s.get("s1", 0) * r2,
             y * grown + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y + s.get("s3", 0) * r2)
 
 
@@ -68,13 +70,15 @@ def seen(camera, effects, points):
     if "pixel phase" in effects:
         size = effects["pixel phase"]["px"]
         u, v = u + size * np.sin(2 * math.pi * u), v + size * np.sin(2 * math.pi * v)
-    return u, v
+    return outside.in_image(effects, camera, u, v)
 
 
 def drifted(camera, effects, t):
     """The camera at these times."""
     factor = 1 + effects.get("focal_drift", {}).get("per_s", 0) * t
-    return camera | {name: camera[name] * factor for name in ("fx_px", "fy_px")}
+    hunt = effects.get("hunting focus", {"share": 0, "hz": 1})
+    factor = factor * (1 + hunt["share"] * np.sin(2 * math.pi * hunt["hz"] * t))
+    return camera | {name: camera[name] * factor for name in ("fx_px", "fy_px")} | {"t": t}
 
 
 def draw_camera(draw):
@@ -122,6 +126,7 @@ def displaced(plan, effects, draw):
     there[:, 1] = plan[:, 1] * (1 + scale.get("y_scale", 0))
     there[:, 2] += warp.get("x_m", 0) * (1 - a * a) + warp.get("y_m", 0) * (1 - b * b)
     there[:, 2] += effects.get("twisted board", {}).get("m", 0) * a * b
+    there[:, 2] += outside.out_of_plane(effects, plan[:, 0], plan[:, 1])
     if "target_scatter" in effects:
         there += effects["target_scatter"]["sigma_m"] * draw.of("scatter").normal(size=there.shape)
     return there
@@ -145,7 +150,8 @@ def draw_effect(draw, name, camera, extent, px_m, video):
             "twisted board": lambda: {"m": draw.signed(0.006, 0.02) * extent},
             "pixel phase": lambda: {"px": draw.uniform(0.5, 1) * 0.2},
             # A zoom that creeps while a video is taken; in still views, a camera that warms up.
-            "focal_drift": lambda: {"per_s": draw.signed(*((0.05, 0.15) if video else (6e-5, 1.5e-4)))}}[name]()
+            "focal_drift": lambda: {"per_s": draw.signed(*((0.05, 0.15) if video else (6e-5, 1.5e-4)))}}.get(
+                name, lambda: outside.draw_of_camera(draw, name, extent, camera["corner"]))()
 
 
 # -- sets -------------------------------------------------------------------------------------------------------------
@@ -173,7 +179,7 @@ class Scene:
             self.effects["radial_polynomial"] = draw_radial(draw, self.camera)
         self.outside = ""
         if plan.course == "outside":
-            strange = STRANGE[plan.base][plan.turn % len(STRANGE[plan.base])]
+            strange = plan.strange(STRANGE[plan.base])
             self.effects[strange] = draw_effect(draw, strange, self.camera, self.extent, px_m, self.video)
             if strange in KNOWN:
                 self.hidden = {strange: self.effects[strange]}
@@ -255,7 +261,7 @@ def boards(plan):
     scene = Scene(plan, ("radial_polynomial", "tangential_distortion", "board_warp", "board_scale", "target_scatter"))
     poses = draw_poses(scene, scene.draw.of("views").choice((12, 16, 24)))
     rotations, places = (np.stack(part) for part in zip(*poses))
-    times = np.arange(len(poses)) * (VIEW_S if plan.cause else 1.0)
+    times = np.arange(len(poses)) * (VIEW_S if plan.cause == "focal_drift" else 1.0)
 
     def pixels_of(effects):
         there = displaced(scene.board, effects, scene.draw)

@@ -3,6 +3,7 @@ import math
 
 import numpy as np
 
+import outside
 from draws import Draw
 from sets import Free, MadeSet, TRACE_SIZE
 
@@ -32,7 +33,8 @@ def draw_effect(draw, name, seen):
             "shot_noise": lambda: {"electrons_per_dn": draw.log_uniform(0.8, 6)},
             "dust ring": lambda: {"depth": draw.uniform(2, 5) * seen / middle, "u_px": draw.uniform(15, 48),
                                   "v_px": draw.uniform(12, 36), "radius_px": draw.uniform(6, 12)},
-            "image lag": lambda: {"share": draw.uniform(0.005, 0.02)}}[name]()
+            "image lag": lambda: {"share": draw.uniform(0.005, 0.02)}}.get(
+                name, lambda: outside.draw_of_sensor(draw, name, seen / middle))()
 
 
 def gain_field(effects):
@@ -65,7 +67,11 @@ class Sensor:
     def frame(self, number, light, exposure_ratio, exposure_s):
         effects, draw, shape = self.effects, self.draw.of(f"frame {number}"), (HEIGHT, WIDTH)
         lamp = 1 + effects.get("lamp_fluctuation", {}).get("sigma", 0) * draw.normal()
-        signal = self.camera["gain_dn"] * light * lamp * exposure_ratio * self.field
+        v, u = np.mgrid[0:HEIGHT, 0:WIDTH]
+        # Frames number 40 or so.
+        beside = outside.gain_beside(effects, u, v, WIDTH, HEIGHT, min(1.0, number / 40))
+        signal = self.camera["gain_dn"] * light * lamp * exposure_ratio * self.field * beside
+        signal = signal + outside.of(effects, "light leak", "dn") * exposure_ratio * u / WIDTH
         electrons = effects.get("shot_noise", {}).get("electrons_per_dn", 0)
         if electrons:
             charge = signal * electrons + effects.get("dark_current", {}).get("electrons_per_s", 0) * exposure_s
@@ -112,7 +118,7 @@ def flats(plan):
     seen = math.hypot(camera["read_dn"], math.sqrt(0.5 * TOP / electrons))
     hidden = {name: draw_effect(draw, name, seen) for name in draw_names(plan, draw)}
     photons = hidden.get("shot_noise", {"electrons_per_dn": electrons})
-    strange = STRANGE[plan.turn % len(STRANGE)] if plan.course == "outside" else ""
+    strange = plan.strange(STRANGE)
     traces = {}
     if plan.course == "trace":
         name = "row_noise" if not {"row_noise", "column_offsets"} & set(hidden) else "pixel_offset_spread"

@@ -1,4 +1,5 @@
 """All sorts of sets, each with the function that makes one."""
+import outside
 from boards import boards, videos
 from flats import flats
 from landmarks import landmarks
@@ -14,6 +15,8 @@ CAUSES = [f"{sort}+{cause}" for sort, causes in {
     "boards": ("focal_drift",), "videos": ("focal_drift",), "landmarks": ("mount_offset",),
     "motors": ("friction_asymmetry", "motor_heating"), "servos": ("gear_ripple",),
     "walks": ("tracker_offset", "turn_asymmetry")}.items() for cause in causes]
+# Causes outside the catalogue, each alone in the sets of a sort.
+OUTSIDE = outside.sorts()
 
 
 def make(sort, number):

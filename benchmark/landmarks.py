@@ -3,6 +3,7 @@ import math
 
 import numpy as np
 
+import outside
 from draws import Draw
 from sets import MadeSet, TRACE_SIZE, noise_line, rows
 
@@ -53,14 +54,21 @@ def draw_effect(draw, name, noise):
             "landmark_scatter": lambda: {"sigma_m": draw.uniform(1, 3) * noise["range_m"]},
             "rotating mirror": lambda: {"m": draw.uniform(1.5, 4) * noise["range_m"], "a_turn": draw.choice((2, 3)),
                                         "phase_rad": draw.uniform(-3, 3)},
-            "warming": lambda: {"m": draw.signed(3, 8) * noise["range_m"], "time_s": draw.uniform(10, 25)}}[name]()
+            "warming": lambda: {"m": draw.signed(3, 8) * noise["range_m"], "time_s": draw.uniform(10, 25)}}.get(
+                name, lambda: outside.draw_of_detector(draw, name, noise))()
 
 
-def observed(effects, way, times, places, draw):
+def speed_at(way, times):
+    """By differences over a tenth of a second."""
+    (xa, ya, _), (xb, yb, _) = way(times - 0.05), way(times + 0.05)
+    return np.hypot(xb - xa, yb - ya) / 0.1
+
+
+def observed(effects, way, times, which, places):
     """Range and bearing without single errors, of landmarks at these places."""
     x, y, theta = way(times + effects.get("frame_latency", {}).get("latency_s", 0))
     shift = effects.get("mount_offset", {"x_m": 0, "y_m": 0})
-    px, py = places.T
+    px, py = places[which].T
     dx = px - x - shift["x_m"] * np.cos(theta) + shift["y_m"] * np.sin(theta)
     dy = py - y - shift["x_m"] * np.sin(theta) - shift["y_m"] * np.cos(theta)
     distance = np.hypot(dx, dy)
@@ -74,7 +82,8 @@ def observed(effects, way, times, places, draw):
         seen = seen + warming["m"] * (1 - np.exp(-times / warming["time_s"]))
     said = bearing * (1 + effects.get("bearing_scale", {}).get("scale", 0))
     said = said + effects.get("bearing_offset_per_range", {}).get("rad_per_m", 0) * distance
-    return seen, said, bearing
+    longer, aside = outside.seen_beside(effects, distance, bearing, speed_at(way, times), times, which)
+    return seen + longer, said + aside, bearing
 
 
 def draw_names(plan, draw):
@@ -99,7 +108,7 @@ def landmarks(plan):
     hidden = {name: draw_effect(draw, name, noise) for name in names}
     if plan.course == "tie":
         hidden = {"frame_latency": {"latency_s": draw.signed(0.04, 0.15)}}
-    strange = STRANGE[plan.turn % len(STRANGE)] if plan.course == "outside" else ""
+    strange = plan.strange(STRANGE)
     traces = {"range_offset": {"offset_m": TRACE_SIZE * noise["range_m"]}} if plan.course == "trace" else {}
     if traces and "range_offset" in hidden:
         traces = {"mount_misalignment": {"yaw_rad": TRACE_SIZE * noise["bearing_rad"]}}
@@ -118,7 +127,7 @@ def landmarks(plan):
         times = np.round(np.sort(one.uniform(0, length_s, size=130)), 4)
         times = np.unique(times)
         which = np.floor(one.uniform(0, 8, size=len(times))).astype(int)
-        ranges, bearings, true = observed(effects, way, times, there[which], draw)
+        ranges, bearings, true = observed(effects, way, times, which, there)
         if "range_wander" in effects:
             ranges = ranges + one.wander(times, effects["range_wander"]["sigma_m"], effects["range_wander"]["tau_s"])
         ranges = ranges + one.normal(noise["range_m"], size=len(times))

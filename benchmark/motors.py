@@ -3,6 +3,7 @@ import math
 
 import numpy as np
 
+import outside
 from draws import Draw
 from servos import commands, joints_set, with_gross
 from sets import Free, TRACE_SIZE, rows
@@ -31,6 +32,7 @@ class Joint:
         self.unlike = effects.get("friction_asymmetry", {}).get("rad_per_s2", 0)
         self.weaker = effects.get("motor_heating", {}).get("per_k", 0)
         self.time = self.warmer = 0.0
+        self.effects = effects
 
     def pull(self, q, w, error, enabled):
         """Drive less load, and the dry friction that acts against the motion."""
@@ -42,7 +44,8 @@ class Joint:
             drive = max(-self.most, min(self.most, drive))
         net = drive - self.gravity * math.cos(q - self.level)
         net -= self.cogging["rad_per_s2"] * math.sin(self.cogging["a_turn"] * q)
-        return net - self.viscous * w, self.dry + self.by_load * abs(net)
+        net -= outside.load_of(self.effects, q, w)
+        return net - self.viscous * w, self.dry + self.by_load * abs(net) + outside.friction_at(self.effects, q)
 
     def step(self, q, w, command, kp, enabled, h, sign):
         """Runge and Kutta's step of fourth order, the friction against this sign."""
@@ -121,7 +124,8 @@ def draw_effect(draw, name, motor, typical):
             "cogging": lambda: {"rad_per_s2": typical * draw.uniform(0.15, 0.3), "a_turn": draw.choice((12, 16, 20))},
             "friction_asymmetry": lambda: {"rad_per_s2": typical * draw.signed(0.03, 0.1)},
             "motor_heating": lambda: {"per_k": draw.uniform(0.003, 0.006)},
-            "warming motor": lambda: {"per_s": draw.uniform(0.1, 0.2)}}[name]()
+            "warming motor": lambda: {"per_s": draw.uniform(0.1, 0.2)}}.get(
+                name, lambda: outside.draw_of_motor(draw, name, typical))()
 
 
 def temperatures(draw, runs):
@@ -143,7 +147,7 @@ def motors(plan):
     known = {} if plan.course == "tie" else {name: draw_effect(draw, name, motor, typical)
                                             for name in ("gravity_torque", "coulomb_friction") if name not in names}
     hidden = {name: draw_effect(draw, name, motor, typical) for name in names}
-    strange = STRANGE[plan.turn % len(STRANGE)] if plan.course == "outside" else ""
+    strange = plan.strange(STRANGE)
     effects = {"motor_servo": motor} | known | hidden
     traces = {}
     if plan.course == "trace":

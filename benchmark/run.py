@@ -5,8 +5,10 @@
   benchmark/run.py seam OUT ANSWERS.json --seam build/seam [--timeout 120] asks `seam discover`
   benchmark/run.py baseline NAME OUT ANSWERS.json                          asks a baseline
   benchmark/run.py score OUT ANSWERS.json [--csv TABLE.csv] [--wrong]      scores answers
+  benchmark/run.py outside OUT ANSWERS.json [--wrong]                      of causes outside the catalogue: what is said of them
   benchmark/run.py summary OUT ANSWERS.json MORE.json ...                  a row a program
   benchmark/run.py pair OUT ANSWERS.json OTHERS.json                       compares two programs on the same sets
+  benchmark/run.py trust OUT ANSWERS.json [MORE.json ...]                  the table by which SEAM says how far to trust it
   benchmark/run.py truth OUT --seam build/seam                             errors of the true models: near 1
 
 `--answered` leaves out sets that the first file has no answer to: else they count as wrong. --csv FILE: the table.
@@ -23,13 +25,20 @@ import time
 
 import answers
 import baselines
+import honesty
 import kinds
 import scores
+import trust
 from sets import read_truths
 
 
+def chosen(options):
+    """Sorts that were asked for; "outside" stands for each cause outside the catalogue."""
+    return [sort for name in options.sort or () for sort in (kinds.OUTSIDE if name == "outside" else [name])]
+
+
 def make(options):
-    for sort in options.sort or kinds.SORTS:
+    for sort in chosen(options) or kinds.SORTS:
         for number in range(options.first, options.first + options.sets):
             kinds.make_into(options.out, sort, number)
     return 0
@@ -38,7 +47,7 @@ def make(options):
 def wanted_sets(options):
     """By number first, so that a run that is cut short has all sorts alike."""
     named = [(*folder.name.rsplit("-", 1)[::-1], folder) for folder in (options.out / "sets").iterdir()]
-    return [folder for _, sort, folder in sorted(named) if not options.sort or sort in options.sort]
+    return [folder for _, sort, folder in sorted(named) if not options.sort or sort in chosen(options)]
 
 
 def seam(options):
@@ -85,7 +94,7 @@ def show(columns, lines, options):
 
 def asked_truths(options, first):
     return {name: truth for name, truth in read_truths(options.out).items()
-            if (not options.sort or truth["sort"] in options.sort) and (not options.answered or name in first)}
+            if (not options.sort or truth["sort"] in chosen(options)) and (not options.answered or name in first)}
 
 
 def score(options):
@@ -97,6 +106,24 @@ def score(options):
         if not s.right or far:
             print(f"{s.name:16} {s.course:8} missing {' '.join(s.missing) or '-'}; needless "
                   f"{' '.join(s.needless) or '-'}; error {s.error and round(s.error, 3)} {s.failed} {' '.join(far)}")
+    return 0
+
+
+def outside(options):
+    given = answers.read(options.answers)["answers"]
+    truths = {name: truth for name, truth in asked_truths(options, given).items() if truth["outside"]}
+    show(honesty.COLUMNS, honesty.table(truths, given), options)
+    for line in honesty.wrong(truths, given) if options.wrong else ():
+        print(line)
+    return 0
+
+
+def trust_table(options):
+    """Answers of several files count together, the last that has one to a set."""
+    given = {}
+    for path in (options.answers, *options.others):
+        given |= answers.read(path)["answers"]
+    trust.HEADER.write_text(trust.header(trust.counts(read_truths(options.out), given)))
     return 0
 
 
@@ -135,8 +162,8 @@ def truth(options):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     steps = parser.add_subparsers(dest="step", required=True)
-    positions = {"make": (), "seam": ("answers",), "baseline": ("name", "answers"), "score": ("answers",),
-                 "summary": ("answers", "others"), "pair": ("answers", "others"), "truth": ()}
+    positions = {"make": (), "seam": ("answers",), "baseline": ("name", "answers"), "score": ("answers",), "outside": ("answers",),
+                 "summary": ("answers", "others"), "trust": ("answers", "others"), "pair": ("answers", "others"), "truth": ()}
     for step, given in positions.items():
         one = steps.add_parser(step)
         if "name" in given:
@@ -144,9 +171,9 @@ def main():
         one.add_argument("out", type=pathlib.Path)
         for name in given:
             if name != "name":
-                more = {"nargs": "+" if step == "summary" else 1} if name == "others" else {}
+                more = {"nargs": {"summary": "+", "trust": "*"}.get(step, 1)} if name == "others" else {}
                 one.add_argument(name, type=pathlib.Path, **more)
-        one.add_argument("--sort", action="append", choices=[*kinds.SORTS, *kinds.CAUSES])
+        one.add_argument("--sort", action="append", choices=[*kinds.SORTS, *kinds.CAUSES, *kinds.OUTSIDE, "outside"])
         if step == "make":
             one.add_argument("--first", type=int, default=0)
             one.add_argument("--sets", type=int, default=10)
@@ -155,13 +182,13 @@ def main():
         if step == "seam":
             one.add_argument("--timeout", type=int, default=120, help="seconds of processor time a set")
             one.add_argument("--program", help="the name that the answers carry")
-        if step in ("score", "summary", "pair"):
+        if step in ("score", "outside", "summary", "pair"):
             one.add_argument("--csv", type=pathlib.Path)
             one.add_argument("--answered", action="store_true")
-        if step == "score":
+        if step in ("score", "outside"):
             one.add_argument("--wrong", action="store_true", help="names the sets that are wrong")
     options = parser.parse_args()
-    return globals()[options.step](options)
+    return {"trust": trust_table}.get(options.step, globals().get(options.step))(options)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@ import math
 
 import numpy as np
 
+import outside
 from draws import Draw
 from sets import MadeSet, TRACE_SIZE, noise_line, rows
 
@@ -77,15 +78,16 @@ def moved(effects, command):
     return np.array(angles)
 
 
-def logged(effects, q, t):
-    """What the encoder says of an angle, without noise."""
+def logged(effects, q, t, celsius=0.0):
+    """What the encoder says of angles, a row a run, without noise."""
+    beside = outside.said_beside(effects, q, t, celsius)
     sag = effects.get("gravity_sag", {})
     q = q - sag.get("rad", 0) * np.cos(q - sag.get("level_rad", 0))
     q = q - effects.get("encoder_offset", {}).get("pan_rad", 0)
     q = q / (1 + effects.get("encoder_scale", {}).get("pan_scale", 0))
     wave, drift = effects.get("gear_ripple", {}), effects.get("slow drift", {})
     repeats = wave.get("amplitude_rad", 0) * np.sin(wave.get("per_turn", 0) * q + wave.get("phase_rad", 0))
-    return q + repeats + drift.get("rad_per_s", 0) * t
+    return q + beside + repeats + drift.get("rad_per_s", 0) * t
 
 
 def draw_effect(draw, name, noise, wide=False):
@@ -102,7 +104,8 @@ def draw_effect(draw, name, noise, wide=False):
             "gear_ripple": lambda: {"amplitude_rad": draw.uniform(*((1, 10) if wide else (4, 10))) * noise,
                                     "per_turn": draw.log_uniform(4, 100) if wide else draw.choice((6, 8, 10)),
                                     "phase_rad": draw.uniform(-3, 3)},
-            "slow drift": lambda: {"rad_per_s": draw.signed(6, 15) * noise / (LENGTH * STEP_S)}}[name]()
+            "slow drift": lambda: {"rad_per_s": draw.signed(6, 15) * noise / (LENGTH * STEP_S)}}.get(
+                name, lambda: outside.draw_of_servo(draw, name, noise))()
 
 
 def joints_set(table, nominal, stated, noise, **more):
@@ -141,7 +144,7 @@ def servos(plan):
             names = plan.names(draw, ())
     stated = draw.chance(0.6) or bool({"encoder_quantisation", "joint_wander"} & set(names))
     hidden = {name: draw_effect(draw, name, noise, bool(plan.cause)) for name in names}
-    strange = STRANGE[plan.turn % len(STRANGE)] if plan.course == "outside" else ""
+    strange = plan.strange(STRANGE)
     outside = {strange: draw_effect(draw, strange, noise)} if strange else {}
     effects = nominal | hidden | outside
     if strange in KNOWN:
@@ -151,7 +154,10 @@ def servos(plan):
     traces = {}
     if plan.course == "trace":
         traces = {"encoder_offset": {"pan_rad": draw.of("trace").signed(1, 1) * TRACE_SIZE * noise}}
-    clean = logged(effects | traces, angles, times)
+    warms = strange == "warm mount"
+    # Up by 20 K in all runs together, as a sensor says.
+    celsius = np.round(20 * (1 - np.exp(-2 * np.linspace(0, 1, angles.size))), 1).reshape(angles.shape)
+    clean = logged(effects | traces, angles, times, celsius)
     if "joint_wander" in effects:
         wander = effects["joint_wander"]
         clean = clean + np.stack([draw.of(f"wander {run}").wander(times, wander["sigma_rad"], wander["tau_s"])
@@ -159,9 +165,10 @@ def servos(plan):
     measured = clean + draw.of("noise").normal(noise, size=clean.shape)
     step = effects.get("encoder_quantisation", {}).get("step_rad", 0)
     measured = with_gross(draw.of("gross"), plan, np.rint(measured / step) * step if step else measured)
-    table = rows("run,time_s,joint,command_rad,measured_rad", ("d", ".3f", "s", ".5f", ".9f"),
+    table = rows("run,time_s,joint,command_rad,measured_rad" + ",temperature_c" * warms,
+                 ("d", ".3f", "s", ".5f", ".9f") + (".1f",) * warms,
                  np.repeat(np.arange(runs), LENGTH).tolist(), np.tile(times, runs).tolist(), ["joint"] * command.size,
-                 command.ravel().tolist(), measured.ravel().tolist())
+                 command.ravel().tolist(), measured.ravel().tolist(), *[(25 + celsius).ravel().tolist()] * warms)
     ties = {"stiction": ["backlash"]} if plan.course == "tie" else {}
     return joints_set(table, nominal, stated, noise, hidden=hidden, traces=traces, outside=strange,
                       ties=ties, unscored=["gravity_sag.level_rad"])

@@ -8,6 +8,8 @@ import zlib
 
 import numpy as np
 
+import outside
+
 # What is hidden in a set, by its number: ten numbers in a row have each case.
 COURSE = ("none", "one", "two", "three", "tie", "trace", "outside", "gross", "none", "outside")
 HIDDEN_COUNT = {"none": 0, "one": 1, "two": 2, "three": 3, "tie": 1, "trace": 1, "outside": 0, "gross": 1}
@@ -19,8 +21,8 @@ TIE_SIZE = 0.1
 
 @dataclasses.dataclass
 class Plan:
-    """What is asked of a generator. A sort with a cause (`servos+gear_ripple`) hides that one effect in its odd numbers
-    and nothing in the even ones."""
+    """What is asked of a generator. A sort with an effect (`servos+gear_ripple`) hides that one effect in its odd numbers
+    and nothing in the even ones; a sort with a cause outside the catalogue (`servos+floor_shakes`) hides it in each."""
     sort: str
     number: int
 
@@ -32,14 +34,22 @@ class Plan:
     def cause(self):
         return self.sort.partition("+")[2]
 
+    def strange(self, possible):
+        """The cause outside the catalogue: the sort's own, or these in turn."""
+        if self.course != "outside":
+            return ""
+        return outside.cause_of(self.sort) or possible[self.turn % len(possible)]
+
     @property
     def course(self):
+        if outside.cause_of(self.sort):
+            return "outside"
         return ("none", "one")[self.number % 2] if self.cause else COURSE[self.number % len(COURSE)]
 
     def names(self, draw, possible):
         """The effects to hide: the sort's own cause, or as many of these as the number says."""
         if self.cause:
-            return [self.cause][:self.count]
+            return [self.cause][:self.count]  # None beside a cause outside the catalogue.
         return draw.sample(possible, self.count)
 
     @property
@@ -145,7 +155,8 @@ def write(made, plan, out):
         "format": "seam-truth/1", "set": plan.name, "sort": plan.sort, "kind": made.kind,
         "course": "one" if plan.course == "outside" and not made.outside else plan.course,
         "hidden": made.hidden, "ties": made.ties, "traces": made.traces, "allowed": made.allowed,
-        "outside": made.outside or None, "unscored": made.unscored, "noise_stated": made.noise_stated,
+        "outside": made.outside or None,
+        "depends_on": outside.DEPENDS_ON[plan.base].get(made.outside, ()), "unscored": made.unscored, "noise_stated": made.noise_stated,
         "gross_share": plan.gross}, indent=1) + "\n")
     return folder
 

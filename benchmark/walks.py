@@ -3,6 +3,7 @@ import math
 
 import numpy as np
 
+import outside
 from draws import Draw
 from sets import MadeSet, TRACE_SIZE, noise_line, rows
 
@@ -32,7 +33,8 @@ def draw_effect(draw, name):
             # Sideways in proportion to the square of the speed; slower with each second; a wheel that is not round.
             "crab walk": lambda: {"s_per_m": draw.signed(0.2, 0.5)},
             "tiring": lambda: {"per_s": draw.uniform(0.008, 0.02)},
-            "oval wheel": lambda: {"share": draw.uniform(0.1, 0.2), "phase_rad": draw.uniform(-3, 3)}}[name]()
+            "oval wheel": lambda: {"share": draw.uniform(0.1, 0.2), "phase_rad": draw.uniform(-3, 3)}}.get(
+                name, lambda: outside.draw_of_body(draw, name))()
 
 
 def body_of(effects, v, t):
@@ -89,6 +91,7 @@ def walked(effects, commands, dt, draw):
             else:
                 middle = command
             v = body_of(effects, middle, k * dt + (step + 0.5) * h)
+            v = (*outside.walks_beside(effects, v[0], v[1], pose[2], k * dt + (step + 0.5) * h), v[2])
             pose = arc(pose, v, h)
             path += h * math.hypot(v[0], v[1])
         if lag:
@@ -123,14 +126,22 @@ def driven(effects, base, speeds, start):
     scale = effects.get("wheel_scale", {})
     ground = turned * (1 + np.array([scale.get("left", 0), scale.get("right", 0)]))
     oval = effects.get("oval wheel")
+    at = np.linspace(0, 1, len(ground))[:, None]
+    ground = ground * (1 + outside.of(effects, "warm tyres", "share") * (1 - np.exp(-3 * at)))
     if oval:
         ground[:, 0] *= 1 + oval["share"] * np.sin(rolled[:-1, 0] / WHEEL_M + oval["phase_rad"])
     rate = (ground[:, 1] - ground[:, 0]) / (base * (1 + effects.get("base_scale", {}).get("scale", 0)))
     ahead = 0.5 * ground.sum(1) * np.maximum(0, 1 - effects.get("wheel_slip", {}).get("per_radps", 0) * np.abs(rate))
     theta = start + np.concatenate([[0], np.cumsum(rate * FINE_S)])
     middle = theta[:-1] + 0.5 * FINE_S * rate
-    way = np.stack([np.concatenate([[0], np.cumsum(ahead * np.cos(middle) * FINE_S)]),
-                    np.concatenate([[0], np.cumsum(ahead * np.sin(middle) * FINE_S)]), theta], -1)
+    if "carpet" in effects:  # Behind the middle of the way in x, as it goes on the bare floor.
+        x = np.cumsum(ahead * np.cos(middle) * FINE_S)
+        ahead = ahead * (1 + effects["carpet"]["share"] * (x > np.median(x)))
+    down = outside.of(effects, "slope", "share") * np.abs(ahead)
+    way = np.stack([np.concatenate([[0], np.cumsum(
+        (ahead * np.cos(middle) + down * math.cos(outside.of(effects, "slope", "way_rad"))) * FINE_S)]),
+                    np.concatenate([[0], np.cumsum(
+        (ahead * np.sin(middle) + down * math.sin(outside.of(effects, "slope", "way_rad"))) * FINE_S)]), theta], -1)
     return rolled, way
 
 
@@ -153,7 +164,7 @@ def walks(plan):
     names = ["base_scale" if wheels else "turn_asymmetry"] if plan.course == "tie" else plan.names(
         draw, POSSIBLE[plan.base])
     hidden = {name: draw_effect(draw, name) for name in names}
-    strange = STRANGE[plan.base][plan.turn % 2] if plan.course == "outside" else ""
+    strange = plan.strange(STRANGE[plan.base])
     sigma, turn_sigma = draw.uniform(0.0005, 0.003), draw.uniform(0.001, 0.006)
     effects = hidden | ({strange: draw_effect(draw, strange)} if strange else {})
     traces = {}
@@ -171,6 +182,7 @@ def walks(plan):
         else:
             given = walk_commands(one, count, plan.course)
             poses = walked(effects | traces, given, dt, one)
+        poses[:, 2] = outside.said_heading(effects, poses[:, 2])
         poses = poses + one.normal(size=poses.shape) * (sigma, sigma, turn_sigma)
         wrong = one.uniform(size=len(poses)) < plan.gross
         poses = poses + wrong[:, None] * one.normal(size=poses.shape) * (0.3, 0.3, 0.5)

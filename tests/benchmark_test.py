@@ -23,8 +23,11 @@ except ImportError:
 
 import answers  # noqa: E402
 import baselines  # noqa: E402
+import honesty  # noqa: E402
 import kinds  # noqa: E402
+import outside  # noqa: E402
 import scores  # noqa: E402
+import trust  # noqa: E402
 from draws import Draw  # noqa: E402
 from sets import COURSE, Plan, read_truths, write  # noqa: E402
 
@@ -86,6 +89,53 @@ class Generators(unittest.TestCase):
                 self.assertEqual(bool(made.outside), course == "outside", (sort, number))
                 self.assertEqual(bool(made.traces), course == "trace", (sort, number))
                 self.assertEqual(len(made.hidden), Plan(sort, number).count, (sort, number))
+
+
+    def test_every_cause_outside_the_catalogue_is_made(self):
+        for sort in kinds.OUTSIDE:
+            plan, made = kinds.make(sort, 1)
+            self.assertEqual((made.outside, made.hidden, plan.course), (outside.cause_of(sort), {}, "outside"), sort)
+            self.assertTrue(outside.DEPENDS_ON[plan.base][made.outside], sort)
+        self.assertGreaterEqual(len(kinds.OUTSIDE), 40)
+        self.assertEqual(outside.cause_of("servos+gear_ripple"), "")
+
+
+class Honesty(unittest.TestCase):
+    PANE = truth({}, "outside", outside="glass", depends_on=["column", "row"])
+
+    def judged(self, names, **more):
+        return honesty.judged(self.PANE, answers.answer(names, unexplained=more.pop("unexplained", True)) | more)
+
+    def test_what_is_said_and_what_is_not(self):
+        hint = name("board_warp") | {"hint": True}
+        self.assertEqual(self.judged([hint], depends_on=["time", "column"], formula_error=1.02), (True,) * 4)
+        self.assertEqual(self.judged([], depends_on=["time"]), (False, True, False, True))
+        self.assertEqual(self.judged([name("board_warp")], depends_on=["row"]), (True, True, False, False))
+        self.assertEqual(self.judged([], unexplained=False, depends_on=["row"]), (False, False, False, True))
+        self.assertEqual(honesty.judged(self.PANE, None), (False,) * 4)
+
+    def test_names_of_the_first_line(self):
+        found = {"verdict": "unexplained_structure", "error": 1.2, "structure": [], "steps": [
+            {"effect": effect, "parameters": {}} for effect in ("thin_prism", "board_warp", "walk_noise")],
+            "unnamed_cause": {"depends_on": [["row", "view"]]},
+            "headline": "No known effect explains what depends on row. What matters beside it: thin_prism, board_warp are "
+                        "missing; board_warp moves predictions by 2 x noise; noise of unknown cause: walk_noise (1 x noise)"}
+        given = answers.of_discover(found)
+        self.assertEqual(honesty.stand_ins(given), ["thin_prism", "board_warp"])
+        self.assertEqual(given["depends_on"], ["row", "view"])
+        self.assertEqual(answers.variables_of("u: 0.1 * (x - cx) * sin(2 * pi * t / 3); v: 2 * y"),
+                         ["column", "cx", "row", "time"])
+
+
+class Trust(unittest.TestCase):
+    def test_counts_by_kind_and_verdict(self):
+        lag = {"servo_lag": {"tau_s": 0.02}}
+        truths = {str(k): truth(hidden, course, kind="joints") | {"set": str(k)} for k, (hidden, course) in enumerate(
+            [(lag, "one"), (lag, "one"), ({}, "none"), (lag, "one")])}
+        given = {"0": answers.answer([name("servo_lag")]), "1": answers.answer([name("backlash")]),
+                 "2": answers.answer([]), "3": answers.answer([], failed="timeout")}
+        self.assertEqual(trust.counts(truths, given), {("joints", "named"): [2, 1], ("joints", "nothing"): [1, 1]})
+        self.assertIn('{"joints", "named", 2, 1},', trust.header(trust.counts(truths, given)))
 
 
 class Scores(unittest.TestCase):
