@@ -300,6 +300,27 @@ class Workbench(OfTheRoom):
                 self.assertIn(b"<html", archive.read("session/reports/003.html"))
             self.assertLessEqual({f"session/{name}" for name in kept} | {"session/session.sh"}, names)
 
+    def test_models_for_other_programs(self):
+        with self.page() as page:
+            page.looked_at("001")
+            self.assertEqual([one["name"] for one in page.ask("formats").json["formats"]], ["opencv", "ros", "mrcal", "kalibr", "json"])
+            for name, ending in (("opencv", "yaml"), ("mrcal", "cameramodel")):
+                answer = page.ask("export", {"version": "001", "format": name, "drop": False})
+                self.assertEqual(answer.status, 200, answer.content)
+                self.assertEqual(answer.json["name"], f"{self.data.name}-001-{name}.{ending}")
+                done = subprocess.run([SEAM, "export", self.session / "versions/001.yaml", "--to", name, "--data", self.data, "--out",
+                                       self.folder / "file"], capture_output=True, text=True, check=True)
+                self.assertEqual(answer.json["text"], (self.folder / "file").read_text(), done.stdout)
+            page.change("add", effect="rolling_shutter")
+            wanted = {"version": "002", "format": "opencv", "drop": False}
+            refused = page.ask("export", wanted)
+            self.assertEqual(refused.status, 400)
+            self.assertIn("cannot hold effect 'rolling_shutter'", refused.json["error"])
+            dropped = page.ask("export", {**wanted, "drop": True}).json
+            self.assertTrue(any("without rolling_shutter" in note for note in dropped["notes"]), dropped["notes"])
+            for wrong in ({"format": "--plugin=x"}, {"version": "../001"}, {"drop": "yes"}):
+                self.assertIn(page.ask("export", {**wanted, **wrong}).status, (400, 404), wrong)
+
     def test_a_formula_is_proposed(self):
         slipping = SOURCE / "docs/tutorial/slipping_robot.yaml"
         subprocess.run([SEAM, "measure", "--model", slipping, "--protocol", SOURCE / "docs/tutorial/room", "--seed", "2", "--out",

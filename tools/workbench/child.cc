@@ -58,6 +58,17 @@ void give_lines(std::string& text, const Child::Line& line) {
 
 }  // namespace
 
+std::string Child::Ended::trouble() const {
+  std::string text = errors;
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  const size_t line = text.rfind("\nseam: ");
+  if (line != std::string::npos) text.erase(0, line + 1);
+  if (text.starts_with("seam: ")) text.erase(0, 6);
+  if (text.empty() && code == 137)
+    return "the system ended the command, perhaps because memory ran out";
+  return text.empty() ? fmt::format("the command ended with code {}", code) : text;
+}
+
 void Child::start(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                   int output, int errors) {
   const std::string program = program_file();

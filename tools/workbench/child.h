@@ -19,6 +19,9 @@ class Child {
     int code = 0;        // As a shell has it; 137 of one that was killed.
     std::string errors;  // What it wrote to standard error, its end alone where it is long.
     bool stopped = false;
+
+    // What it said is wrong, without the program's name before it.
+    std::string trouble() const;
   };
   using Line = std::function<void(std::string_view)>;
 

@@ -73,10 +73,11 @@ Looked Desk::looked_before(const Version& version) const {
   return {};
 }
 
-void Desk::offer(json recent, json samples) {
+void Desk::offer(json recent, json samples, json named) {
   const std::lock_guard lock(mutex_);
   recent_ = std::move(recent);
   samples_ = std::move(samples);
+  named_ = std::move(named);
 }
 
 Session& Desk::session() {
@@ -150,7 +151,8 @@ json Desk::state_unlocked() const {
                 {"versions", json::array()},
                 {"left_out", json::array()},
                 {"recent", recent_},
-                {"samples", samples_}};
+                {"samples", samples_},
+                {"named", named_}};
   if (!session_) return state;
   const SessionState& saved = session_->state();
   const Version& current = saved.version(saved.current);

@@ -30,7 +30,7 @@ class Desk {
   // Opens the session of a set, begins one where there is none.
   void open(const std::filesystem::path& data, const std::filesystem::path& session);
   // Places that the page may offer, for the state.
-  void offer(nlohmann::json recent, nlohmann::json samples);
+  void offer(nlohmann::json recent, nlohmann::json samples, nlohmann::json named);
 
   nlohmann::json state();
   nlohmann::json search(const std::string& version);
@@ -104,7 +104,8 @@ class Desk {
   nlohmann::json job_;              // A change that is computed, and how far it is; null: none.
   nlohmann::json look_;             // The same of a look.
   std::string command_;             // What the last click was.
-  nlohmann::json recent_ = nlohmann::json::array(), samples_ = nlohmann::json::array();
+  nlohmann::json recent_ = nlohmann::json::array(), samples_ = nlohmann::json::array(),
+                 named_ = nlohmann::json::array();
   std::unique_ptr<Looking> looking_;  // The last: it calls the others.
 };
 

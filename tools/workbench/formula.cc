@@ -46,6 +46,27 @@ constexpr Meaning kMeanings[] = {
     {"theta", "rad", "heading"},
 };
 
+// What a stage is of.
+struct StageHelp {
+  const char *stage, *help;
+};
+constexpr StageHelp kStageHelps[] = {
+    {"joint", "The angle of each joint, before it moves camera or robot."},
+    {"geometry", "Where the lens puts a point in the image."},
+    {"corner_detector", "Where a corner is found, beside where the lens puts it."},
+    {"radiometry", "How bright the lens makes each place of the image."},
+    {"light", "How the light that falls in differs from what was stated."},
+    {"sensor", "The value of a pixel, after its noise."},
+    {"detector", "What a detector of landmarks measures."},
+    {"locomotion", "How the robot moves for a command."},
+};
+
+std::string help_of(const std::string& stage) {
+  const auto found =
+      std::ranges::find_if(kStageHelps, [&](const StageHelp& one) { return stage == one.stage; });
+  return found == std::end(kStageHelps) ? "" : found->help;
+}
+
 json variable_json(const std::string& name) {
   const auto found =
       std::ranges::find_if(kMeanings, [&](const Meaning& one) { return name == one.name; });
@@ -75,6 +96,7 @@ json formula_stages_json(const std::string& kind) {
     });
     (acts ? acting : others)
         .push_back({{"name", stage.name},
+                    {"help", help_of(stage.name)},
                     {"form", form_of(stage)},
                     {"variables", std::move(variables)},
                     {"targets", stage.outputs},

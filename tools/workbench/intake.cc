@@ -9,6 +9,7 @@
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "sim_core/base/output.h"
+#include "tools/workbench/places.h"
 
 namespace seam::tools {
 namespace {
@@ -67,12 +68,7 @@ std::vector<fs::path> sources_in(const fs::path& folder) {
 
 // A name for a set, after the first of its files.
 std::string name_after(const fs::path& source) {
-  std::string name = source.stem().string().substr(0, 60);
-  for (char& c : name) {
-    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-    if (!plain && c != '-' && c != '_') c = '_';
-  }
-  return "set-" + name;
+  return "set-" + name_in_files(source.stem().string().substr(0, 60));
 }
 
 }  // namespace

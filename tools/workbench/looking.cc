@@ -7,18 +7,6 @@
 namespace seam::tools {
 namespace {
 
-// What a command said is wrong, without the program's name before it.
-std::string trouble_of(const Child::Ended& ended) {
-  std::string text = ended.errors;
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  const size_t line = text.rfind("\nseam: ");
-  if (line != std::string::npos) text.erase(0, line + 1);
-  if (text.starts_with("seam: ")) text.erase(0, 6);
-  if (text.empty() && ended.code == 137)
-    return "the system ended the command, perhaps because memory ran out";
-  return text.empty() ? fmt::format("the command ended with code {}", ended.code) : text;
-}
-
 // Of a command's lines those that are events.
 Child::Line events_to(std::function<void(const nlohmann::json&)> said) {
   return [said = std::move(said)](std::string_view line) {
@@ -93,7 +81,7 @@ void Looking::run_alone(const std::vector<std::string>& command,
   changed_.notify_all();
   if (!failed.empty()) throw InputError(failed);
   if (ended.stopped) throw Refusal(409, "cancelled; nothing was changed");
-  if (ended.code != 0) throw Refusal(400, trouble_of(ended));
+  if (ended.code != 0) throw Refusal(400, ended.trouble());
 }
 
 void Looking::work() {
@@ -126,7 +114,7 @@ void Looking::run(const LookJob& job) {
       const Child::Ended ended =
           child_.run(command, job.folder, events_to([&](const auto& event) { said_(job, event); }));
       stopped = ended.stopped;
-      if (!stopped && ended.code != 0) trouble = trouble_of(ended);
+      if (!stopped && ended.code != 0) trouble = ended.trouble();
     } catch (const std::exception& error) {
       trouble = error.what();
     }

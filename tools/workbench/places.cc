@@ -38,6 +38,14 @@ bool is_below(const fs::path& path, const fs::path& root) {
 
 }  // namespace
 
+std::string name_in_files(std::string text) {
+  for (char& c : text) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    if (!plain && c != '-' && c != '_') c = '_';
+  }
+  return text.empty() ? "set" : text;
+}
+
 Places::Places(const std::vector<std::string>& named, const std::string& session)
     : session_(session) {
   for (const std::string& name : named) {
@@ -100,6 +108,12 @@ void Places::remember(const fs::path& data, const json& set) const {
     write_file_atomically(file, list.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
   } catch (const std::exception&) {  // A list that is a convenience; the work goes on without it.
   }
+}
+
+json Places::named() const {
+  json folders = json::array();
+  for (const fs::path& root : roots_) folders.push_back(root.string());
+  return folders;
 }
 
 json Places::recent() const {

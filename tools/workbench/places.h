@@ -9,6 +9,9 @@
 
 namespace seam::tools {
 
+// Text as names of files may have it: letters, digits, - and _.
+std::string name_in_files(std::string text);
+
 class Places {
  public:
   // `named`: at the terminal. `session`: of the first of them; empty: NAME.session in this folder.
@@ -21,6 +24,8 @@ class Places {
   // Remembers it among the sets that were opened last.
   void remember(const std::filesystem::path& data, const nlohmann::json& set) const;
   nlohmann::json recent() const;
+  // What was named at the terminal: folders below it may be opened by their names.
+  nlohmann::json named() const;
   // The folder that sessions are put into.
   std::filesystem::path beside() const;
 

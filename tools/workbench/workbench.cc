@@ -9,6 +9,7 @@
 #include "sim_core/input/json_input.h"
 #include "tools/command.h"
 #include "tools/workbench/desk.h"
+#include "tools/workbench/exporting.h"
 #include "tools/workbench/formula.h"
 #include "tools/workbench/intake.h"
 #include "tools/workbench/look/look.h"
@@ -83,6 +84,7 @@ class Workbench {
     if (!settings.named.empty()) open(places_.to_open(settings.named.front()));
     offer();
     add_reading();
+    add_exports();
     add_changes();
     add_openings();
     add_seeing();
@@ -98,7 +100,7 @@ class Workbench {
     offer();
   }
 
-  void offer() { desk_.offer(places_.recent(), intake_.samples()); }
+  void offer() { desk_.offer(places_.recent(), intake_.samples(), places_.named()); }
 
   // Makes the set where it is not there, then opens it.
   void open(const Making& making, const std::string& what) {
@@ -152,9 +154,6 @@ class Workbench {
         throw Refusal(404, "there is no picture of this frame");
       response.set_content(read_file(file), is_png ? "image/png" : "image/jpeg");
     });
-    server_.get("/api/export", [this](const Request& request, Response& response) {
-      export_file(request, response);
-    });
     using Files = std::vector<std::string>;
     get_file("rows", "application/octet-stream",
              [](const Request&) -> Files { return {"rows.bin"}; });
@@ -167,6 +166,10 @@ class Workbench {
       if (!request.has_param("effect")) return {"predicted.bin"};
       return {"predicted-" + effect_in(request) + ".bin"};
     });
+    get_file("runs", "application/octet-stream", [](const Request& request) -> Files {
+      if (!request.has_param("effect")) return {"runs.bin"};
+      return {"runs-" + effect_in(request) + ".bin"};
+    });
   }
 
   void export_file(const Request& request, Response& response) {
@@ -174,23 +177,46 @@ class Workbench {
     const json state = desk_.state();
     std::string version = request.get_param_value("version");
     if (version.empty()) version = state.value("current", "");
-    std::string content, name, type = "application/octet-stream";
+    std::string content, type = "application/octet-stream";
+    std::string name = name_in_files(fs::path(desk_.set_folder()).filename());
     if (what == "script") {
-      content = desk_.script(), name = "session.sh";
+      content = desk_.script(), name += ".sh";
     } else if (what == "model") {
-      content = read_file(desk_.model(version)), name = version + ".yaml";
+      content = read_file(desk_.model(version)), name += "-" + version + ".yaml";
     } else if (what == "session") {
       content = session_archive(state.value("session", ""), desk_.script());
-      name = "session.zip", type = "application/zip";
+      name += "-session.zip", type = "application/zip";
     } else if (what == "report") {
       const fs::path file = desk_.computed(version, {"report.html"});
       if (file.empty()) return answer_json(response, json::object(), 202);
-      content = read_file(file), name = "report-" + version + ".html";
+      content = read_file(file), name += "-" + version + ".html";
     } else {
       throw UsageError("what: expected report, model, script or session");
     }
     response.set_header("Content-Disposition", "attachment; filename=\"" + name + "\"");
     response.set_content(content, type.c_str());
+  }
+
+  void add_exports() {
+    server_.get("/api/export", [this](const Request& request, Response& response) {
+      export_file(request, response);
+    });
+    server_.get("/api/formats", [this](const Request&, Response& response) {
+      answer_json(response, {{"formats", export_formats_json(set_kind())}});
+    });
+    server_.post("/api/export", [this](const Request& request, Response& response) {
+      const Body body(request);
+      const std::string version = body.text("version");
+      const fs::path model = desk_.model(version);
+      const fs::path session = desk_.state().value("session", "");
+      const std::lock_guard one_at_a_time(exporting_);
+      answer_json(response, exported_json({.model = model,
+                                           .version = version,
+                                           .set = desk_.set_folder(),
+                                           .scratch = session / "cache" / version,
+                                           .format = body.text("format"),
+                                           .drop = body.get<bool>("drop")}));
+    });
   }
 
   void add_changes() {
@@ -270,10 +296,14 @@ class Workbench {
     });
   }
 
+  std::string set_kind() {
+    const json set = desk_.state()["set"];
+    return set.is_object() ? set.value("kind", "") : "";
+  }
+
   void add_formulas() {
     server_.get("/api/formula", [this](const Request&, Response& response) {
-      const json set = desk_.state()["set"];
-      answer_json(response, formula_stages_json(set.is_object() ? set.value("kind", "") : ""));
+      answer_json(response, formula_stages_json(set_kind()));
     });
     server_.post("/api/formula/check", [](const Request& request, Response& response) {
       const Body body(request);
@@ -313,7 +343,7 @@ class Workbench {
   const Places places_;
   const Intake intake_;
   Desk desk_;
-  std::mutex seeing_;
+  std::mutex seeing_, exporting_;
   PageServer server_{{.folder = "workbench",
                       .folder_from = "SEAM_WORKBENCH_DIR",
                       .most_body = kMostBody,

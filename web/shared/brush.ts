@@ -14,6 +14,13 @@ function inverse(scale: (value: number) => number) {
   return (place: number) => (place - at) / slope;
 }
 
+/** Two corners on the plot as values. */
+export function valuesOf(frame: Frame, [[left, top], [right, bottom]]: [[number, number], [number, number]]): Box {
+  const valueX = inverse(frame.x), valueY = inverse(frame.y);
+  const rising = (a: number, b: number): [number, number] => (a < b ? [a, b] : [b, a]);
+  return { x: rising(valueX(left), valueX(right)), y: rising(valueY(top), valueY(bottom)) };
+}
+
 export function attachBrush(plot: SVGSVGElement, frame: Frame, onBrush?: (box: Box | null, add: boolean) => void,
   onPick?: (x: number, y: number, add: boolean) => void): void {
   const valueX = inverse(frame.x), valueY = inverse(frame.y);
@@ -38,10 +45,8 @@ export function attachBrush(plot: SVGSVGElement, frame: Frame, onBrush?: (box: B
       else onBrush(null, mouse.shiftKey);
       return;
     }
-    const xs = [valueX(area[0][0]), valueX(area[1][0])].sort((a, b) => a - b) as [number, number];
-    const ys = [valueY(area[0][1]), valueY(area[1][1])].sort((a, b) => a - b) as [number, number];
     layer.call(drawn.move as never, null);
-    onBrush({ x: xs, y: ys }, mouse.shiftKey);
+    onBrush(valuesOf(frame, area), mouse.shiftKey);
   });
   layer.call(drawn as never);
 }

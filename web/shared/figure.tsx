@@ -2,8 +2,9 @@
 // again when that changes; what has thousands of marks is painted on a canvas beneath the axes.
 import * as Plot from "@observablehq/plot";
 import type { ComponentChildren } from "preact";
-import { useLayoutEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import { attachBrush, type Box } from "./brush";
+import * as keys from "./keys";
 import { isDark, palette } from "./palette";
 import { Rich } from "./rich";
 import { savePlot } from "./save";
@@ -31,6 +32,8 @@ export interface FigureProps {
   onBrush?: (box: Box | null, add: boolean) => void;
   /** Takes a click, in the plot's values. */
   onPick?: (x: number, y: number, add: boolean) => void;
+  /** What clicks can choose, for the keyboard. */
+  items?: keys.Item[];
   wide?: boolean;
   /** Buttons beside the title. */
   tools?: ComponentChildren;
@@ -109,10 +112,50 @@ function drawInto(element: HTMLElement, width: number, props: FigureProps): Show
   return { frame, size: [box.width, box.height] };
 }
 
+const keysText = (items?: keys.Item[]) => `${items ? "Arrow keys go from one to the next" : "Arrow keys move the rectangle, with Shift they change its size"
+}; Enter chooses, Shift Enter adds, Delete leaves out what is chosen.`;
+
+/** What a plot's holder needs, so that the keyboard can choose in it, and what it says of that. */
+function useKeys({ name, onBrush, onPick, items }: FigureProps, drawn: { current: Shown | null }, holder: { current: HTMLElement | null }) {
+  const cursor = useRef(keys.begin());
+  const [says, say] = useState("");
+  const can = Boolean(onBrush || (onPick && items?.length));
+  const over = onBrush ? undefined : items;
+  const show = () => {
+    const frame = drawn.current?.frame, plot = holder.current?.querySelector("svg");
+    if (!can || !frame || !plot || !holder.current!.matches(":focus-visible")) return;
+    keys.show(plot, frame, cursor.current, over);
+    say(keys.says(cursor.current, frame, over));
+  };
+  const onKeyDown = (event: KeyboardEvent) => {
+    const frame = drawn.current?.frame;
+    if (!frame || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.key === "Enter") {
+      const item = over?.[cursor.current.item];
+      if (item) onPick!(item.x, item.y, event.shiftKey);
+      else onBrush?.(keys.boxOf(cursor.current, frame), event.shiftKey);
+    } else if (!keys.move(cursor.current, event, over)) {
+      return;
+    }
+    event.preventDefault();
+    show();
+  };
+  const hide = () => {
+    if (holder.current) keys.hide(holder.current);
+    say("");
+  };
+  const props = can ? { tabIndex: 0, role: "group" as const, "aria-label": `${name}: choose rows by the keyboard`, onKeyDown, onFocus: show, onBlur: hide } : {};
+  const hint = says && <p class="keys" role="status"><b>{says}</b> {keysText(over)}</p>;
+  return { props, hint, show };
+}
+
 export function Figure(props: FigureProps) {
   const { name, title, sentence, draw, paint, onBrush, onPick, wide, tools } = props;
   const holder = useRef<HTMLDivElement>(null);
   const drawn = useRef<Shown | null>(null);
+  const keyboard = useKeys(props, drawn, holder);
+  const showKeys = useRef(keyboard.show);
+  showKeys.current = keyboard.show;
   const dark = isDark.value;
   const painting = useRef(paint);
   painting.current = paint;
@@ -129,6 +172,7 @@ export function Figure(props: FigureProps) {
       drawnWidth = width;
       drawn.current = drawInto(element, width, { name, title, sentence, draw, onBrush, onPick });
       repaint();
+      showKeys.current();
     };
     inTurn(drawn, redraw);
     const observer = new ResizeObserver(() => inTurn(drawn, redraw));
@@ -145,11 +189,12 @@ export function Figure(props: FigureProps) {
   }, [paint]);
   return (
     <figure class={wide ? "figure wide" : "figure"} data-plot={name}>
-      <button type="button" class="save" title="Save this plot as SVG"
+      <button type="button" class="save" title="Save this plot as SVG" aria-label={`SVG of ${name}`}
         onClick={() => savePlot(holder.current!, name)}>SVG</button>
       {title && <h3>{title}</h3>}
       {tools}
-      <div class="plot" ref={holder} />
+      <div class="plot" ref={holder} {...keyboard.props} />
+      {keyboard.hint}
       <figcaption><Rich text={sentence} /></figcaption>
     </figure>
   );

@@ -36,7 +36,7 @@ export function residualOptions(pair: Pair, width: number): Plot.PlotOptions {
     marginLeft: 52,
     marginBottom: 38,
     x: { label: axisLabel(covariate.name, plot.x_unit ?? (covariate.unit || covariateUnit(plot.covariate))), tickSize: 4,
-      ...(few ? { ticks: values, tickFormat: "~g", domain: [values[0] - 0.5 * step, values[values.length - 1] + 0.5 * step] }
+      ...(few ? { ticks: values, tickFormat: plot.x_names ? (k: number) => plot.x_names![k] ?? "" : "~g", domain: [values[0] - 0.5 * step, values[values.length - 1] + 0.5 * step] }
         : { ticks: width < 420 ? 4 : 6 }) },
     y: {
       label: axisLabel(spread ? `spread of ${residual.name}` : `${residual.name} residual`,
@@ -50,6 +50,9 @@ export function residualOptions(pair: Pair, width: number): Plot.PlotOptions {
 }
 
 /** The values of a covariate that has few, such as 0 and 1: nothing lies between them. */
+/** Whether a line may join the bins. */
+const isJoined = (plot: ResidualPlot) => !plot.discrete && fewValues(plot) === null;
+
 function fewValues(plot: ResidualPlot): number[] | null {
   return plot.bins.length <= 6 && plot.bins.every((bin) => bin.low === bin.high)
     ? plot.bins.map((bin) => bin.centre) : null;
@@ -82,12 +85,12 @@ function meanMarks(pair: Pair): Plot.Markish[] {
   const [low, high] = meanDomain(pair);
   const sample = (first.sample ?? []).filter(([, r]) => r >= low && r <= high);
   const formal = shown(first.bins).filter((bin) => bin.formal !== null);
-  const joined = fewValues(first) === null;
+  const joined = isJoined(first);
   const reach = { y1: (b: Bin) => b.mean! - (b.scatter ?? 0), y2: (b: Bin) => b.mean! + (b.scatter ?? 0) };
   return [
     Plot.dot(sample, { x: "0", y: "1", r: 1.3, fill: palette.dot, fillOpacity: 0.7 }),
     joined ? Plot.areaY(shown(first.bins), { x: "centre", ...reach, fill: colour, fillOpacity: 0.13 })
-      : Plot.ruleX(shown(first.bins), { x: "centre", ...reach, stroke: colour, strokeWidth: 16, strokeOpacity: 0.16 }),
+      : Plot.ruleX(shown(first.bins), { x: "centre", ...reach, stroke: colour, strokeWidth: first.bins.length > 6 ? 4 : 16, strokeOpacity: 0.16 }),
     ...[1, -1].map((sign) => (joined
       ? Plot.line(formal, { x: "centre", y: (b: Bin) => sign * b.formal!, stroke: palette.formal, strokeWidth: 1.3,
         strokeDasharray: "4 3" })
@@ -115,7 +118,7 @@ function barMarks(bins: Bin[], colour: string, joined: boolean): Plot.Markish[] 
 
 function spreadMarks(pair: Pair): Plot.Markish[] {
   const first = (pair.before ?? pair.after)!;
-  const joined = fewValues(first) === null;
+  const joined = isJoined(first);
   const stated = first.bins.filter((b) => b.formal !== null);
   const marks: Plot.Markish[] = [
     Plot.ruleY([0], { stroke: palette.line }),

@@ -16,6 +16,7 @@ channel.port1.onmessage = () => void work();
 function begin(): void {
   if (running) return;
   running = true;
+  document.documentElement.dataset.drawing = "true"; // For whoever waits for the page.
   channel.port2.postMessage(0);
 }
 
@@ -30,7 +31,7 @@ async function work(): Promise<void> {
   running = false;
   for (const end = performance.now() + longest_ms; performance.now() < end;) {
     const next = take(wanted) ?? take(afterwards);
-    if (!next) return;
+    if (!next) break;
     try {
       next();
     } catch (error) {
@@ -39,6 +40,7 @@ async function work(): Promise<void> {
     await null; // What it has changed is rendered here.
   }
   if (wanted.size + afterwards.size > 0) begin();
+  else if (!running) delete document.documentElement.dataset.drawing;
 }
 
 /** Does this when its turn comes. */

@@ -55,6 +55,10 @@ export interface ResidualPlot {
   moment?: string;
   stage?: "before" | "after";
   x_unit?: string;
+  /** Whether the covariate counts labels: nothing lies between two of them. */
+  discrete?: boolean;
+  /** Of a covariate whose values are numbers of names. */
+  x_names?: string[];
   strength?: number | null;
   p_value?: number | null;
   bins: Bin[];

@@ -89,7 +89,7 @@ export const settled = (page) => page.evaluate(async () => {
   const moves = (one) => one.playState === "running" && one.effect?.getTiming().iterations !== Infinity;
   for (let still = 0; still < 3;) {
     await new Promise(requestAnimationFrame);
-    still = document.getAnimations().some(moves) ? 0 : still + 1;
+    still = document.documentElement.dataset.drawing || document.getAnimations().some(moves) ? 0 : still + 1;
   }
 });
 

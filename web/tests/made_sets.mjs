@@ -92,3 +92,18 @@ export function makeFrames(folder, seam) {
       "rig: {chain: [{translate_m: [0, 0, 0.3]}, {joint: pan, axis: [0, 0, 1]}]}\n",
   }, modelOf(...camera, "vignetting: {a2: 0.4, a4: 0.1}"), modelOf(...camera), seam);
 }
+
+/** Makes numbers of whole runs: how far a ball seems to be, by a camera whose focal length is 8 % off. */
+export function makeOutcomes(folder, source, seam) {
+  const plan = (places) => `format: seam-sweep/1\nscenario: ${join(source, "scenarios/ball_distance.yaml")}\nset: {duration_s: 0.25}\n` +
+    `vary:\n  - {path: "robots[0].pose.x_m", name: x_m, values: [${places}]}\nseeds: [1, 4]\nkeep:\n` +
+    "  values: [{name: distance_m, statistic: mean, as: distance_m}]\n  expressions: {error_m: distance_m + x_m}\n";
+  const camera = ["pinhole: {fx_px: 161.9, fy_px: 162.5, cx_px: 88.5, cy_px: 71.5}", "read_noise: {sigma_dn: 3}", "lens_blur: {sigma_px: 1}"];
+  measure(folder, {
+    "near.yaml": plan("-0.55, -0.62"), "far.yaml": plan("-0.8, -0.92"),
+    "outcomes.csv": table("scenario,value,statistic,measured,sigma",
+      ["near", "far"].flatMap((name) => ["mean", "min", "max", "spread"].map((statistic) => [name, "error_m", statistic, "", ""]))),
+    "measurement.yaml": "format: seam-measurement/1\nkind: outcomes\ntitle: A ball at two distances\nfiles: {outcomes: outcomes.csv}\n" +
+      "scenarios: {near: near.yaml, far: far.yaml}\nmost_runs: 3000\ncandidates: {focal_length_error: {fy_scale: [-0.2, 0.2]}}\n",
+  }, modelOf(...camera, "focal_length_error: {fy_scale: 0.08}"), modelOf(...camera), seam);
+}

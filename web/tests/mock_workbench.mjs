@@ -119,6 +119,7 @@ export class MockSession {
     return { revision: this.revision, current: this.current, can_undo: this.past.length > 0, can_redo: this.future.length > 0,
       command: this.sets.open ? this.command : "", job: null, selection: this.selection, left_out: this.leftOut,
       versions: this.sets.open ? this.versions.map(({ model: _, ...one }) => one) : [],
+      named: ["/data"],
       recent: [{ name: "points-a", path: "/data/points-a", kind: "points", title: "Calibration room" }],
       samples: ["points", "joints", "photometry"].map((kind) => ({ name: kind, path: `sample:${kind}`, title: `A sample of ${kind}`, kind })),
       set: this.sets.open ? { title: "Calibration room seen from a swinging head <img src=x>", kind: "points", folder: this.folder,
@@ -213,6 +214,11 @@ function write(session, path, body) {
       if (!body.options.map) return refuse(400, "points.csv:17: column u_px: found 'x', expected a number");
       session.sets.open = true;
       break;
+    case "export":
+      if (body.format === "opencv" && !body.drop)
+        return refuse(400, "opencv cannot hold effect 'rolling_shutter': export with --drop rolling_shutter to leave it out, or --drop all");
+      return { status: 200, body: { name: `points-a-${body.version}-${body.format}.yaml`, text: "camera_matrix: 1\n",
+        notes: body.drop ? ["note: without rolling_shutter: up to 6 px"] : [] } };
     case "see":
       ++session.seen;
       return { status: 200, body: seen(body) };
@@ -251,6 +257,7 @@ function read(session, path, query) {
     case "see": return { effects: [{ name: "rolling_shutter", in_model: false, help: "rows one after the other", parameters: [
       { name: "line_delay_s", value: 0, low: -4e-4, high: 4e-4, help: "s a row" }] },
     { name: "pinhole", in_model: true, help: "a lens", parameters: [{ name: "fx_px", value: 161.9, low: 113, high: 210, help: "px" }] }] };
+    case "formats": return { formats: [{ name: "opencv", what: "YAML" }, { name: "ros", what: "camera_info YAML" }] };
     case "imports": return { most_bytes: 5000, kinds: [
       { name: "kalibr", what: "corners as CSV", help: "corners as CSV", options: ["board", "map"], quantities: ["u", "v"] },
       { name: "servo", what: "logs of a servo", help: "logs", options: ["unit", "map"], quantities: ["command", "measured"] }] };

@@ -119,7 +119,7 @@ async function formulaAndSession(page, server) {
   await page.getByText("'?' is no operator").first().waitFor();
   await page.keyboard.press("Control+a");
   await page.keyboard.type("u: k * row");
-  await page.getByText("The formula is right; it fits k.").waitFor();
+  await page.getByText("The formula can be read; to be fitted: k.").waitFor();
   await page.getByRole("button", { name: "Fit and add" }).click();
   await until(page, () => document.querySelector(".command code").textContent.includes("my_effect"));
   await toScreen(page, "Session");
@@ -135,9 +135,62 @@ async function formulaAndSession(page, server) {
   assert.ok((await page.getByRole("region", { name: "Two versions" }).innerText()).includes("absent"));
 }
 
+/** A model for another program; what it cannot hold is refused with the reason, and left out by consent. */
+async function exportModel(page, errors) {
+  await toScreen(page, "Session");
+  const section = page.getByRole("region", { name: "Export" });
+  const saved = async (button) => {
+    const waiting = page.waitForEvent("download");
+    await section.getByRole("button", { name: button }).click();
+    return (await waiting).suggestedFilename();
+  };
+  assert.match(await saved("ROS"), /^points-a-\d+-ros.yaml$/);
+  await section.getByRole("button", { name: "OpenCV", exact: true }).click();
+  await section.getByText(/opencv cannot hold effect 'rolling_shutter'/).waitFor();
+  assert.match(errors.pop(), /status of 400/, "the browser says what was refused, too");
+  await fits(page, "a refused export", "light");
+  assert.match(await saved("Leave out what OpenCV cannot hold"), /-opencv.yaml$/);
+  await section.getByText("without rolling_shutter: up to 6 px").waitFor();
+}
+
+/** What has the focus: its role and name. */
+const focused = (page) => page.evaluate(() => `${document.activeElement.getAttribute("role")} ${document.activeElement.getAttribute("aria-label")}`);
+
+/** One group is chosen in its plot and left out with a reason, by keys alone; Escape closes the form. */
+async function leaveOutByKeys(page, server) {
+  const plot = page.getByRole("group", { name: "error by group: choose rows by the keyboard" });
+  await page.locator(`.figures[data-version="${server.session.current}"]`).waitFor();
+  await settled(page);
+  await plot.focus();
+  for (const key of ["Home", "ArrowRight", "ArrowRight", "Enter"]) await page.keyboard.press(key);
+  await page.getByRole("heading", { name: "20 rows chosen" }).waitFor();
+  await within("the rows of the third group", () => JSON.stringify(server.session.selection) === "[[40,59]]");
+  await fits(page, "a plot by keys", "light");
+  await page.keyboard.press("Delete");
+  await page.getByLabel("Why these rows are left out").waitFor();
+  await page.keyboard.press("Escape");
+  await page.getByLabel("Why these rows are left out").waitFor({ state: "detached" });
+  await page.keyboard.press("Delete");
+  await page.keyboard.type("the board moved");
+  await page.keyboard.press("Enter");
+  await page.locator(".left-out", { hasText: "the board moved" }).waitFor();
+  await page.keyboard.press("Control+z");
+  await page.locator(".left-out").waitFor({ state: "detached" });
+  const arrows = page.getByRole("group", { name: "arrows in the image: choose rows by the keyboard" });
+  await arrows.focus();
+  for (const key of ["Shift+ArrowRight", "ArrowUp", "Enter"]) await page.keyboard.press(key);
+  await page.getByText(/^u 70.7 to 115 px, v /).waitFor();
+  await page.keyboard.press("?");
+  await page.getByRole("dialog", { name: "Keys" }).waitFor();
+  await fits(page, "the keys", "light");
+  await page.keyboard.press("Escape");
+  await page.getByRole("dialog", { name: "Keys" }).waitFor({ state: "hidden" });
+}
+
 async function byKeyboard(browser) {
   const server = await serve(share);
   const { page, errors } = await opened(browser, server, wide);
+  await leaveOutByKeys(page, server);
   await page.locator("[role=listbox]").focus();
   await page.keyboard.press("ArrowDown");
   await page.locator(".context.previewing[data-preview=rolling_shutter]").waitFor();
@@ -147,6 +200,7 @@ async function byKeyboard(browser) {
   await page.locator(".context.previewing[data-preview=rolling_shutter][data-how=linear]").waitFor();
   await page.keyboard.press("Enter");
   await until(page, () => document.querySelector(".headline")?.textContent.startsWith("Adequate"));
+  assert.equal(await focused(page), "listbox Candidates", "the focus stays where a step was made");
   await page.keyboard.press("Alt+6");
   await page.locator(".tree").waitFor();
   assert.deepEqual(errors, [], "console");
@@ -184,7 +238,7 @@ async function importFiles(page) {
     await fits(page, "Import", scheme);
   }
   if (shots) await page.screenshot({ path: join(shots, "workbench_Import_1280.png") });
-  await form.getByLabel("--map").fill("u=x,v=y");
+  await form.getByLabel(/--map/).fill("u=x,v=y");
   await page.keyboard.press("Enter");
   await page.locator(".head .headline").waitFor();
 }
@@ -196,7 +250,7 @@ async function otherStates(browser) {
   const server = await serve(share, session);
   const { page } = await opened(browser, server, wide);
   assert.match(await page.locator(".progress").innerText(), /2 of 9/);
-  const waiting = page.getByText("by one linear step");
+  const waiting = page.locator("[role=option]", { hasText: ", linear" });
   assert.ok(await waiting.count() > 0, "what waits for its fit is in the list");
   session.slow = false;
   session.suggestion = { effect: "proposed", formula: "u: 0.0006 * (u - cx) * t", error: 1.01, error_before: 2.25, beside: ["rolling_shutter"],
@@ -211,6 +265,12 @@ async function otherStates(browser) {
   await page.getByLabel("Name", { exact: true }).waitFor();
   assert.equal(await page.getByLabel("Name", { exact: true }).inputValue(), "proposed");
   assert.match(await page.locator(".cm-content").innerText(), /\(u - cx\) \* t/);
+  server.emit("job", { what: "plan", doing: "planning: effects planned", done: 3, of: 9 });
+  const job = page.getByRole("group", { name: "What is being computed" });
+  await job.getByText("planning: effects planned, 3 of 9").waitFor();
+  await fits(page, "a job", "light");
+  server.emit("job", null);
+  await job.waitFor({ state: "detached" });
   await toScreen(page, "Work");
   ++session.revision;
   await page.getByRole("listbox").focus();
@@ -240,6 +300,7 @@ async function anotherSet(browser) {
   await page.getByLabel("Folder of a measurement set").fill("other");
   await page.getByRole("button", { name: "Open", exact: true }).click();
   await page.locator('[data-plot="arrows in the image"] figcaption', { hasText: "of 3000 points" }).waitFor();
+  assert.equal(await focused(page), "listbox Candidates", "the work on another set begins at its candidates");
   await plotsShow(page, "");
   await option(page, "rolling_shutter").hover();
   await plotsShow(page, "With rolling_shutter");
@@ -285,6 +346,7 @@ try {
   await previewAddUndo(page, server);
   await chooseAndLeaveOut(page, server);
   await formulaAndSession(page, server);
+  await exportModel(page, errors);
   assert.deepEqual(errors, [], "console");
   await page.close();
   server.close();

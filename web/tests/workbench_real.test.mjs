@@ -139,15 +139,15 @@ const plotsOf = {
   walk: [/from above/, /drift of the free prediction/],
 };
 
-/** Tab, as often as it takes, until what has the focus fits. */
+/** Tab, as often as it takes, until what has the focus fits; where that is so from the start, none. */
 async function tabTo(page, wanted, most = 80) {
   for (let i = 0; i < most; ++i) {
-    await page.keyboard.press("Tab");
     const text = await page.evaluate(() => {
       const at = document.activeElement;
-      return `${at?.getAttribute("role") ?? ""} ${at?.getAttribute("aria-label") ?? ""} ${at?.textContent ?? ""}`;
+      return at === document.body ? "" : `${at?.getAttribute("role") ?? ""} ${at?.getAttribute("aria-label") ?? ""} ${at?.textContent ?? ""}`;
     });
     if (wanted.test(text)) return;
+    await page.keyboard.press("Tab");
   }
   throw new Error(`the keyboard does not reach ${wanted}`);
 }

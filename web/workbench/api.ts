@@ -39,14 +39,14 @@ export const post = <T>(path: string, body: unknown = {}): Promise<T> => json<T>
 
 interface WireState {
   revision: number; current: string | number; can_undo: boolean; can_redo: boolean; command: string;
-  job: Session["job"]; selection: Range[]; left_out: LeftOut[]; recent: Session["recent"]; samples: Session["samples"];
+  job: Session["job"]; selection: Range[]; left_out: LeftOut[]; recent: Session["recent"]; samples: Session["samples"]; named?: string[];
   set: (Omit<NonNullable<Session["set"]>, "noiseEstimated"> & { noise_estimated: boolean }) | null;
   versions: (Omit<Session["versions"][0], "leftOut"> & { left_out: number })[];
 }
 
 function sessionOf(wire: WireState): Session {
   const { can_undo, can_redo, left_out, set, versions, ...same } = wire;
-  return { ...same, current: String(wire.current), canUndo: can_undo, canRedo: can_redo, leftOut: left_out,
+  return { ...same, named: wire.named ?? [], current: String(wire.current), canUndo: can_undo, canRedo: can_redo, leftOut: left_out,
     set: set && { ...set, noiseEstimated: set.noise_estimated },
     versions: versions.map(({ left_out: rows, ...one }) => ({ ...one, id: String(one.id),
       parent: one.parent === null ? null : String(one.parent), leftOut: rows })) };
@@ -137,6 +137,7 @@ export interface Listener {
   session: (next: Session) => void;
   search: (version: string, found: Search) => void;
   preview: (version: string, effect: string) => void;
+  job: (job: Session["job"]) => void;
   connected: (is: boolean) => void;
 }
 
@@ -148,6 +149,7 @@ export function listen(to: Listener): EventSource {
   on<WireState>("state", (wire) => to.session(sessionOf(wire)));
   on<WireSearch>("search", (wire) => to.search(String(wire.version), searchOf(wire)));
   on<{ version: string; effect: string }>("preview", ({ version, effect }) => to.preview(String(version), effect));
+  on<Session["job"]>("job", (job) => to.job(job));
   source.addEventListener("open", () => to.connected(true));
   source.addEventListener("error", () => to.connected(false));
   return source;
@@ -155,9 +157,25 @@ export function listen(to: Listener): EventSource {
 
 export const exportAddress = (what: string) => `api/export?what=${encodeURIComponent(what)}`;
 
+/** A format of another program that holds a model of this kind of measurement. */
+export interface ExportFormat {
+  name: string;
+  what: string;
+}
+
+export const formats = async () => (await json<{ formats: ExportFormat[] }>("formats")).formats;
+export const exportModel = (version: string, format: string, drop: boolean) =>
+  post<{ name: string; text: string; notes: string[] }>("export", { version, format, drop });
+
 export interface Stage {
   name: string;
   form: string;
+  /** What it is of. */
+  help?: string;
+  /** What a formula gives a new value to. */
+  targets?: string[];
+  /** Whether this kind of measurement shows it. */
+  acts?: boolean;
   variables: { name: string; unit?: string; meaning?: string }[];
 }
 
@@ -230,4 +248,20 @@ export async function strip(version: string, of: { what?: "measured"; effect?: s
   const { json: { frames, width_px, height_px }, end } = headOf<Pick<Strip, "frames"> & { width_px: number; height_px: number }>(bytes);
   const size = 3 * width_px * height_px;
   return { frames, images: frames.map((_, k) => ({ width_px, height_px, rgb: new Uint8Array(bytes, end + k * size, size) })) };
+}
+
+/** What runs of the simulator kept: by scenario, the values of each by name. */
+export type Runs = { scenario: string; values: Map<string, Float32Array> }[];
+
+export async function runs(version: string, effect?: string): Promise<Runs | null> {
+  const response = await ask(`runs?${new URLSearchParams({ version, ...(effect ? { effect } : {}) })}`);
+  if (response.status === 202) return null;
+  const bytes = await response.arrayBuffer();
+  const { json: { scenarios }, end } = headOf<{ scenarios: { name: string; values: string[]; runs: number }[] }>(bytes);
+  let at = end;
+  return scenarios.map(({ name, values, runs: n }) => ({ scenario: name, values: new Map(values.map((value) => {
+    const column = new Float32Array(bytes, at, n);
+    at += 4 * n;
+    return [value, column];
+  })) }));
 }

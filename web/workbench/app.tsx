@@ -1,24 +1,29 @@
 // The frame of all screens: where one is, what is saved, undo, and what the last click was as a command.
 import { useEffect } from "preact/hooks";
+import { count } from "../shared/format";
+import { askToLeaveOut } from "./chosen";
 import { DataScreen } from "./data";
 import { FormulaScreen } from "./formula";
+import { Keys, showKeys } from "./keys";
 import { OpenScreen } from "./open";
 import { PlanScreen } from "./plan";
 import { SeeScreen } from "./see";
 import { SessionScreen } from "./tree";
 import { WorkScreen } from "./work";
-import { addEffect, busy, connected, notice, pointed, problem, redo, refused, restore, saved, say, screen, screens, session, undo } from "./store";
+import { addEffect, busy, connected, notice, pointed, problem, redo, refused, restore, saved, say, screen, screens, session, stopSearch, undo } from "./store";
 
 /** Keys that hold on every screen; fields keep theirs. */
 function useKeys(): void {
   useEffect(() => {
     const onKey = (event: KeyboardEvent) => {
       const typing = (event.target as HTMLElement).closest?.("input, textarea, select, .cm-editor");
-      if (event.key === "Escape") restore();
+      if (event.key === "Escape" && !document.querySelector("dialog[open]")) restore();
       else if (typing) return;
       else if (event.key === "Enter" && event.target === document.body && screen.value === "work" && pointed.value && !busy.value) {
         void addEffect(pointed.value);
       }
+      else if (event.key === "?") showKeys();
+      else if (event.key === "Delete" && screen.value === "work") askToLeaveOut();
       else if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z") {
         event.preventDefault();
         void (event.shiftKey ? redo() : undo());
@@ -83,6 +88,7 @@ function TopBar() {
           <Saved />
           <button type="button" disabled={!now.canUndo || busy.value !== ""} onClick={() => void undo()} title="Ctrl Z">Undo</button>
           <button type="button" disabled={!now.canRedo || busy.value !== ""} onClick={() => void redo()} title="Ctrl Shift Z">Redo</button>
+          <Keys />
         </div>
       )}
     </header>
@@ -97,26 +103,41 @@ function Saved() {
 
 function Messages() {
   return (
-    <>
+    <div class="messages">
       {problem.value && (
         <p class="message trouble" role="alert">{problem.value}{" "}
           <button type="button" class="link" onClick={() => (problem.value = "")}>close</button></p>
       )}
+      <Job />
       {session.value?.problem && <p class="message trouble" role="alert">Not saved: {session.value.problem}</p>}
-      {notice.value && <p class="toast" role="status">{notice.value}</p>}
-    </>
+    </div>
+  );
+}
+
+/** A command that the page asked for: how far it is, and a way to end it. */
+function Job() {
+  const job = session.value?.job;
+  if (!job || job.version !== undefined) return null;
+  return (
+    <div class="message job" aria-label="What is being computed" role="group">
+      <span role="status">{job.doing || job.what}{job.of > 0 && <span class="num">, {count(job.done)} of {count(job.of)}</span>} …</span>
+      <progress max={job.of || 1} value={job.of ? job.done : undefined} aria-label={job.what} />
+      <button type="button" onClick={stopSearch}>Cancel</button>
+    </div>
   );
 }
 
 /** What the last click was, so that a script can repeat it. */
 function CommandBar() {
   const { command, set } = session.value!;
-  if (!set || !command) return null;
+  const says = notice.value && <p class="toast" role="status">{notice.value}</p>;
+  if (!set || !command) return <>{says}</>;
   const copy = () => navigator.clipboard.writeText(command).then(() => say("The command is in the clipboard."),
     () => say("The browser gave no access to the clipboard."));
   return (
     <footer class="command" aria-label="The last step as a command">
       <code tabIndex={0}>{command}</code>
+      {says}
       <button type="button" onClick={copy}>Copy</button>
     </footer>
   );

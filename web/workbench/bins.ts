@@ -4,13 +4,16 @@ import type { Bin, Histogram } from "../shared/types";
 import type { Numbers, Residuals, Rows } from "./rows";
 
 const fewest = 6;
+/** Labels of points or groups are no quantity: each has a bin of its own, as far as there is room. */
+const mostLabels = 120;
+export const isLabel = (covariate: string) => /^(point|group|landmark|tag|scenario|value|statistic)$/.test(covariate);
 
 /** Values of a column that has few, such as signs; null where there are more. */
-function fewValues(order: Uint32Array, x: Numbers): number[] | null {
+function fewValues(order: Uint32Array, x: Numbers, most: number): number[] | null {
   const values: number[] = [];
   for (const i of order) {
     if (values.length > 0 && x[i] === values[values.length - 1]) continue;
-    if (values.length === fewest) return null;
+    if (values.length === most) return null;
     values.push(x[i]);
   }
   return values;
@@ -37,7 +40,7 @@ function binOf(order: Uint32Array, from: number, to: number, x: Numbers, r: Numb
 export function binned(rows: Rows, covariate: string, r: Numbers, s: Numbers): Bin[] {
   const x = rows.column(covariate)!, order = rows.order(covariate);
   if (order.length === 0) return [];
-  const few = fewValues(order, x);
+  const few = fewValues(order, x, isLabel(covariate) ? mostLabels : fewest);
   const bins: Bin[] = [];
   if (few) {
     for (let from = 0; from < order.length;) {

@@ -1,18 +1,19 @@
 // The candidates as they come: ordered, with ties in a bracket and what cannot be tested with its reason. Pointing at one
 // previews it in all plots.
 import { signal } from "@preact/signals";
-import { useRef } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import { count, number, withSigma } from "../shared/format";
 import { Gain } from "../shared/parts";
 import { Rich } from "../shared/rich";
 import { asValue, type Candidate, type Parameters } from "../shared/types";
 import { edit } from "./formula";
 import type { Search, Suggestion, Tie } from "./model";
-import { addEffect, leaveList, point, pointed, searched, sheetOpen, stopSearch, version } from "./store";
+import { addEffect, focusList, leaveList, point, pointed, searched, sheetOpen, stopSearch, version } from "./store";
 
 const allShown = signal(false);
 
-export const helps = (c: Candidate) => c.significant ?? ((c.gain ?? 0) > 0 && (c.p_value ?? 1) < 0.01);
+/** A step of a candidate that waits must make the held-out rows better, too. */
+export const helps = (c: Candidate) => (c.rank !== undefined || (c.gain ?? 1) > 0) && (c.significant ?? ((c.gain ?? 0) > 0 && (c.p_value ?? 1) < 0.01));
 
 const gainOf = (c: Candidate) => c.log_likelihood_gain ?? -Infinity;
 
@@ -59,7 +60,7 @@ export function Candidates() {
       </header>
       {search.trouble && !version.value?.trouble && <p class="trouble" role="alert">{search.trouble}</p>}
       <p class="hint" title={search.ordered_by}>Ordered by likelihood, less a price for each parameter; % of the misfit beyond the noise
-        that goes. Point to preview, Enter adds.</p>
+        that goes. <span class="by-mouse">Point to preview, Enter adds.</span><span class="by-touch">Tap to preview.</span></p>
       <List blocks={[...blocksOf(strong, search.ties), ...(allShown.value ? blocksOf(weak, search.ties) : [])]}
         strong={strong.length} none={hasEnded(search) ? "No effect of the catalogue brings a gain that noise would not."
           : all.length > 0 ? "None so far brings a gain that noise would not." : "None is tested yet."} />
@@ -113,9 +114,15 @@ const idOf = (effect: string) => `candidate-${effect.replace(/[^a-z0-9_]/gi, "-"
 function List({ blocks, strong, none }: { blocks: Block[]; strong: number; none: string }) {
   const list = useRef<HTMLDivElement>(null);
   const all = blocks.flatMap((block) => block.items);
-  if (all.length === 0) return <p class="empty">{none}</p>;
+  useEffect(() => {
+    if (!focusList.value) return;
+    focusList.value = false;
+    const inSheet = list.current!.offsetParent === null; // On a narrow page.
+    (inSheet ? document.querySelector<HTMLElement>(".sheet-handle") : list.current)?.focus({ preventScroll: true });
+  }, [focusList.value]);
   const now = pointed.value;
   const step = (by: number) => {
+    if (all.length === 0) return;
     const at = all.findIndex((c) => c.effect === now);
     const next = all[Math.max(0, Math.min(all.length - 1, at < 0 ? (by > 0 ? 0 : all.length - 1) : at + by))];
     point(next.effect, true);
@@ -132,7 +139,8 @@ function List({ blocks, strong, none }: { blocks: Block[]; strong: number; none:
     move();
   };
   return (
-    <div class="list" role="listbox" aria-label="Candidates" tabIndex={0} ref={list} onKeyDown={onKey}
+    <>
+    <div class="list" role="listbox" aria-busy={all.length === 0} aria-label="Candidates" tabIndex={0} ref={list} onKeyDown={onKey}
       aria-activedescendant={now && all.some((c) => c.effect === now) ? idOf(now) : undefined}
       onPointerLeave={(e) => {
         mouseAt = "";
@@ -141,15 +149,17 @@ function List({ blocks, strong, none }: { blocks: Block[]; strong: number; none:
       {blocks.map((block, i) => (block.tie
         ? <div key={`tie ${i}`} class="bracket" role="group" aria-label="Not separated by these data">
           {block.items.map((c) => <Option key={c.effect} candidate={c} />)}
-          <p class="separates">These data do not separate them. {block.tie.advice}</p>
+          <p class="separates">These data do not separate them{block.tie.advice ? <>; what would: {block.tie.advice}</> : "."}</p>
         </div>
         : block.items.map((c) => <Option key={c.effect} candidate={c} weak={all.indexOf(c) >= strong} />)))}
     </div>
+    {all.length === 0 && <p class="empty">{none}</p>}
+    </>
   );
 }
 
 /** A list that is scrolled under a still mouse is pointed at by nobody. */
-function moved({ clientX, clientY }: PointerEvent): boolean {
+function mouseMoved({ clientX, clientY }: PointerEvent): boolean {
   const was = mouseAt;
   mouseAt = `${clientX} ${clientY}`;
   return mouseAt !== was;
@@ -160,7 +170,7 @@ function Option({ candidate: c, weak = false }: { candidate: Candidate; weak?: b
   const waits = c.rank === undefined;
   return (
     <div id={idOf(c.effect)} role="option" aria-selected={chosen} class={`option${weak ? " weak" : ""}`} title={c.help}
-      onPointerEnter={(e) => e.pointerType === "mouse" && moved(e) && point(c.effect, false)}
+      onPointerEnter={(e) => e.pointerType === "mouse" && mouseMoved(e) && point(c.effect, false)}
       onClick={() => {
         point(c.effect, true);
         sheetOpen.value = false;
@@ -172,7 +182,7 @@ function Option({ candidate: c, weak = false }: { candidate: Candidate; weak?: b
       </div>
       <div class="line small">
         <Values parameters={c.parameters} />
-        <span class="num quiet">error {number(c.error, 3)}{waits && " by one linear step"}</span>
+        <span class="num quiet error" title={waits ? "by one linear step: it waits for its fit" : undefined}>error {number(c.error, 3)}{waits && ", linear"}</span>
       </div>
       {Object.keys(c.with ?? {}).length > 0 && <div class="small">together with {Object.keys(c.with!).join(", ")}</div>}
       {(c.stands_in_for ?? []).length > 0 && <div class="small quiet">alone it stands in for {c.stands_in_for!.join(", ")}</div>}
@@ -180,15 +190,21 @@ function Option({ candidate: c, weak = false }: { candidate: Candidate; weak?: b
   );
 }
 
-/** The first two parameters; the tooltip and the preview have all of them. */
+/** Those that were fitted and moved first: of others a set of this kind may have no joint or axis. */
+const moved = ([, parameter]: [string, Parameters[string]]) => {
+  const { value, sigma } = asValue(parameter);
+  return (sigma ? 2 : 0) + (value ? 1 : 0);
+};
+
+/** The first two parameters; the preview has all of them. */
 function Values({ parameters }: { parameters?: Parameters }) {
-  const entries = Object.entries(parameters ?? {});
+  const entries = Object.entries(parameters ?? {}).sort((a, b) => moved(b) - moved(a));
   return (
     <span class="values num">
       {entries.slice(0, 2).map(([name, parameter]) => (
         <span key={name}><span class="quiet">{name}</span> <Rich text={valueText(parameter)} /></span>
       ))}
-      {entries.length > 2 && <span class="quiet">+ {entries.length - 2}</span>}
+      {entries.length > 2 && <span class="quiet">and {entries.length - 2} more</span>}
     </span>
   );
 }

@@ -12,25 +12,35 @@ const reason = signal("");
 /** Of which version rows are about to be left out. */
 const asking = signal("");
 const shownVersion = () => `${session.value?.set?.folder} ${session.value?.current}`;
-const listed = 60;
+const fewListed = 12;
+const mostListed = 200;
+const allListed = signal(false);
+
+/** Asks why the chosen rows are left out. */
+export function askToLeaveOut(): void {
+  if (selection.value.count > 0) asking.value = shownVersion();
+}
 
 export function Chosen() {
   const now = view.value, set = session.value?.set;
   if (!now || !set) return null;
   const chosen = selection.value;
+  const says = chosen.count > 0 ? `${count(chosen.count)} ${chosen.count === 1 ? "row" : "rows"} chosen` : "";
   return (
     <section class="chosen" aria-label="Chosen rows">
       <header class="side-head">
-        <h2>{chosen.count > 0 ? `${count(chosen.count)} rows chosen` : "Rows"}</h2>
+        <h2>{says || "Rows"}</h2>
+        <span class="hidden" role="status">{says}</span>
         <Rules />
       </header>
       {chosen.count === 0
-        ? <p class="empty">Draw a rectangle in a plot, or click a bar or a group, to choose rows; all plots then show them.</p>
+        ? <p class="empty">Draw a rectangle in a plot, or click a bar or a group, to choose rows; all plots then show them. By the
+          keyboard: Tab to a plot, arrow keys, Enter.</p>
         : <>
           <p class="hint">{chosen.what}</p>
           <LeaveOut />
-          <RowTable />
           <Picture view={view.value!} />
+          <RowTable />
         </>}
       <LeftOutList />
     </section>
@@ -69,7 +79,7 @@ function LeaveOut() {
   if (asking.value !== shownVersion()) {
     return (
       <div class="actions">
-        <button type="button" onClick={() => (asking.value = shownVersion())}>Leave out …</button>
+        <button type="button" onClick={askToLeaveOut}>Leave out …</button>
         <button type="button" class="link" onClick={clearSelection}>choose none</button>
       </div>
     );
@@ -79,7 +89,13 @@ function LeaveOut() {
 
 function Reason() {
   const field = useRef<HTMLInputElement>(null);
+  const before = useRef(document.activeElement as HTMLElement | null);
   useLayoutEffect(() => field.current!.focus(), []);
+  const keep = () => {
+    asking.value = "";
+    if (before.current?.isConnected) before.current.focus();
+    else requestAnimationFrame(() => !asking.value && document.querySelector<HTMLElement>(".chosen .actions button")?.focus());
+  };
   const submit = async (event: Event) => {
     event.preventDefault();
     if (await leaveOut(reason.value.trim())) {
@@ -88,12 +104,17 @@ function Reason() {
     }
   };
   return (
-    <form class="reason" onSubmit={submit} onKeyDown={(e) => e.key === "Escape" && (asking.value = "")}>
+    <form class="reason" onSubmit={submit} onKeyDown={(e) => {
+      if (e.key !== "Escape") return;
+      e.stopPropagation();
+      keep();
+    }}>
       <label>Why these rows are left out
         <input value={reason.value} required minLength={3} placeholder="the board moved in frame 12" ref={field}
           onInput={(e) => (reason.value = e.currentTarget.value)} /></label>
       <button type="submit" class="primary">Leave out</button>
-      <button type="button" onClick={() => (asking.value = "")}>Keep them</button>
+      <button type="button" onClick={keep}>Keep them <kbd>Esc</kbd></button>
+      <p class="quiet small">They then take no part in fits, nor in the error: both become smaller by that alone.</p>
     </form>
   );
 }
@@ -101,26 +122,32 @@ function Reason() {
 function RowTable() {
   const { rows, before, after } = view.value!;
   const residuals = after ?? before;
+  const shown = rowsOf(selection.value, allListed.value ? mostListed : fewListed);
+  const channels = residuals.channels.filter((name) => shown.some((i) => Number.isFinite(residuals.r.get(name)![i])));
+  const named = (name: string, i: number) => rows.words.names?.[name]?.[cell(name, i) ?? -1];
   const covariates = (look.value?.covariate ?? "").split("*").map((name) => name.replace(/^sign\((.*)\)$/, "$1"))
     .filter((name) => rows.has(name)).slice(0, 2);
   const cell = (name: string, i: number) => rows.column(name)?.[i];
   const columns: Column[] = [{ label: "Line", right: true }, { label: session.value!.set!.group, right: true },
-    ...residuals.channels.map((name) => ({ label: `${words(splitUnit(name).name)} residual`, right: true })),
+    ...channels.map((name) => ({ label: `${words(splitUnit(name).name)} residual`, right: true })),
     ...covariates.map((name) => ({ label: words(name), right: true }))];
   return (
     <>
       <p class="quiet small">lines of <code>{session.value!.set!.file}</code></p>
-      <DataTable columns={columns} rows={rowsOf(selection.value, listed).map((i) => ({ cells: [
+      <DataTable columns={columns} rows={shown.map((i) => ({ cells: [
         cell("line", i) ?? i + 1,
-        rows.words.names?.group?.[cell("group", i) ?? -1] ?? cell("group", i) ?? "",
-        ...residuals.channels.map((name) => {
+        named("group", i) ?? cell("group", i) ?? "",
+        ...channels.map((name) => {
           const r = residuals.r.get(name)![i], s = residuals.s.get(name)![i];
           return Number.isFinite(r) ? <span class="num"><Rich text={`${number(r)} ${splitUnit(name).unit}`} />{" "}
-            <span class="quiet">{number(r / s, 2)} σ</span></span> : "left out";
+            <span class="quiet">{number(r / s, 2)} σ</span></span> : cell("left_out", i) ? "left out" : "–";
         }),
-        ...covariates.map((name) => <Rich text={number(cell(name, i))} />),
+        ...covariates.map((name) => named(name, i) ?? <Rich text={number(cell(name, i))} />),
       ] }))} />
-      {selection.value.count > listed && <p class="quiet small">and {count(selection.value.count - listed)} more</p>}
+      {selection.value.count > fewListed && (
+        <button type="button" class="link" aria-expanded={allListed.value} onClick={() => (allListed.value = !allListed.value)}>
+          {allListed.value ? "show fewer" : `show ${count(Math.min(selection.value.count, mostListed))}`} of {count(selection.value.count)}</button>
+      )}
     </>
   );
 }

@@ -18,10 +18,10 @@ export function DataScreen() {
         ({set.group}) · <code>{set.folder}</code></p>
       <Doubts doubts={set.doubts} />
       <Imported title="What the import could not know" sentences={set.imported?.not_known} />
-      <Imported title="What the import did" sentences={set.imported?.done} />
+      <Imported title="What the import did" sentences={set.imported?.done} said />
       <section>
         <h2>Columns</h2>
-        <DataTable columns={[{ label: "Column" }, { label: "Unit" }, { label: "From", right: true }, { label: "To", right: true },
+        <DataTable class="columns" columns={[{ label: "Column" }, { label: "Unit" }, { label: "From", right: true }, { label: "To", right: true },
           { label: "Missing", right: true }, { label: "File" }]} rows={set.columns.map((column) => ({ cells: [
           <code>{column.name}</code>, column.unit || "–", <Rich text={number(column.low, 4)} />, <Rich text={number(column.high, 4)} />,
           column.missing ? count(column.missing) : "none", column.file ? <code>{column.file}</code> : "–"] }))} />
@@ -42,12 +42,13 @@ export function DataScreen() {
   );
 }
 
-function Imported({ title, sentences }: { title: string; sentences?: string[] }) {
+/** `said`: nothing to doubt. */
+function Imported({ title, sentences, said = false }: { title: string; sentences?: string[]; said?: boolean }) {
   if (!sentences?.length) return null;
   return (
     <section>
       <h2>{title}</h2>
-      <ul class="doubt-list">{sentences.map((text, i) => <li key={i}>{text}</li>)}</ul>
+      <ul class={said ? "doubt-list said" : "doubt-list"}>{sentences.map((text, i) => <li key={i}>{text}</li>)}</ul>
     </section>
   );
 }

@@ -1,10 +1,10 @@
 // An effect as a formula of one's own: the stage's variables, checked while typing, fitted and judged at once.
 import { signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { number } from "../shared/format";
+import { number, words } from "../shared/format";
 import * as api from "./api";
 import type { Editor } from "./editor";
-import { applyFormula, busy, screen, searched, version } from "./store";
+import { applyFormula, busy, screen, searched, session, version } from "./store";
 
 const stages = signal<api.Stage[] | null>(null);
 const stage = signal("");
@@ -25,10 +25,17 @@ export function edit(formula: { stage: string; name: string; text: string }): vo
 async function read(): Promise<void> {
   try {
     stages.value = await api.stages();
-    if (!stages.value.some((one) => one.name === stage.value)) setStage(stages.value[0]);
+    if (!stages.value.some((one) => one.name === stage.value)) setStage(firstStage(stages.value));
   } catch (error) {
     failed.value = (error as Error).message;
   }
+}
+
+/** The first that acts; of points seen by a camera that no joint turns the lens. */
+function firstStage(all: api.Stage[]): api.Stage | undefined {
+  const turns = session.value?.set?.columns.some(({ name }) => /_rad$/.test(name));
+  const camera = ["points", "frames"].includes(session.value?.set?.kind ?? "");
+  return (camera && !turns ? all.find((one) => one.name === "geometry") : undefined) ?? all[0];
 }
 
 /** What stands in the editor where nothing was written. */
@@ -55,10 +62,13 @@ export function FormulaScreen() {
           <div class="fields">
             <label>Stage
               <select value={stage.value} onChange={(e) => setStage(known.find((one) => one.name === e.currentTarget.value))}>
-                {known.map((one) => <option key={one.name} value={one.name}>{one.name}</option>)}
+                {known.map((one) => <option key={one.name} value={one.name}>{words(one.name)}{one.acts === false ? " (not seen in these data)" : ""}</option>)}
               </select></label>
             <label>Name <input value={name.value} pattern="[a-z][a-z0-9_]*" onInput={(e) => (name.value = e.currentTarget.value)} /></label>
           </div>
+          {now?.help && <p class="quiet">{now.help}</p>}
+          <p class="quiet small">Write what {now?.targets?.length ? listOf(now.targets) : "it"} becomes: the whole new value, such as{" "}
+            <code>{now?.targets?.[0] ?? "u"} + k * …</code>. Below <code>parameters:</code> each parameter has a line, two spaces in.</p>
           <Text stage={now} />
           <Verdict />
         </div>
@@ -68,6 +78,8 @@ export function FormulaScreen() {
     </div>
   );
 }
+
+const listOf = (names: string[]) => <>{names.map((one, i) => <>{i > 0 && " or "}<code>{one}</code></>)}</>;
 
 /** The editor; what it holds is checked a moment after the last key. */
 function Text({ stage: now }: { stage?: api.Stage }) {
@@ -101,7 +113,7 @@ function Verdict() {
     <div class="formula-verdict">
       <p role="status" class={found && !found.ok ? "trouble" : "quiet"}>
         {!text.value.trim() ? "Write a formula with the variables beside." : !found ? "checking …"
-          : found.ok ? `The formula is right${found.parameters?.length ? `; it fits ${found.parameters.join(", ")}` : ""}.` : found.error}
+          : found.ok ? `The formula can be read${found.parameters?.length ? `; to be fitted: ${found.parameters.join(", ")}` : ""}.` : found.error}
       </p>
       <button type="button" class="primary" disabled={!ready} onClick={() => void applyFormula(stage.value, name.value, text.value)}>
         {busy.value ? `${busy.value} …` : "Fit and add"}</button>

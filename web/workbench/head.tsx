@@ -18,6 +18,17 @@ const tones: Record<string, string> = { adequate: "good", missing_effect: "bad",
 const toneOf = (now: Version) => (now.structure === null ? "open" : now.structure.length > 0 ? "bad"
   : (now.error ?? 1) > 1.15 ? "open" : "good");
 
+/** What the headline asks of a person. */
+function meaning(now: Version): string {
+  if (/noise of unknown cause/.test(now.headline)) {
+    return "These rows scatter more than their stated noise. The effect states larger errors; what causes them it does not say: look at the plots.";
+  }
+  if (now.verdict === "unexplained_structure") return "The plots show what is left. A formula can describe it.";
+  if (now.verdict === "missing_effect") return "Point at a candidate to see what it explains, then add it.";
+  if (now.structure?.length === 0 && now.error !== null && now.error <= 1.15) return "The model explains these measurements to their noise.";
+  return "";
+}
+
 export function Head() {
   const now = version.value;
   const shown = preview.value;
@@ -28,6 +39,7 @@ export function Head() {
       <div class="says">
         <p class="headline">{now.headline || (now.trouble ? "The model could not be compared with the measurements."
           : "Comparing the model with the measurements …")}</p>
+        {meaning(now) && <p class="quiet means">{meaning(now)}</p>}
         {now.trouble && <p class="trouble" role="alert">{now.trouble}</p>}
         {now.doubts.map((doubt, i) => <p key={i} class="doubt">{doubt.trim()}</p>)}
         <p class="quiet small">

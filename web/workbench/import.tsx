@@ -1,8 +1,9 @@
 // Files of other programs: which import reads them, with what options, and what it says is wrong with them.
 import { signal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
 import * as api from "./api";
 import type { Named } from "./dropped";
-import { busy, openImport, problem, screen, take } from "./store";
+import { begin, busy, openImport, problem, take } from "./store";
 
 const kinds = signal<api.ImportKind[]>([]);
 const files = signal<Named[]>([]);
@@ -10,24 +11,26 @@ const dropped = signal("");
 const kind = signal("");
 const options = signal<Record<string, string>>({});
 const trouble = signal("");
+const isImporting = signal(false);
+export const importing = () => isImporting.value;
 
-/** What a person would type, and which quantity it is, where the name alone does not say so. */
-const examples: Record<string, [string, string]> = {
-  board: ["inner corners, columns x rows", "9x6"],
-  spacing: ["between corners, m", "0.025"],
-  target: ["on the target", "chessboard, circles or asymmetric_circles"],
-  size: ["of the images, px", "640x480"],
-  camera: ["where there are several", "left"],
-  part: ["of a log", "joints, odometry or frames"],
-  unit: ["of angles", "deg"],
-  "time-unit": ["of times", "ms"],
-  "length-unit": ["of lengths", "mm"],
-  map: ["names of columns", ""],
-  reverse: ["joints that count the other way", "pan,tilt"],
-  "off-where": ["rows without drive", "command=0"],
-  base: ["between the wheels", "0.3"],
-  radius: ["of the wheels", "0.035"],
-  "metres-per-tick": ["in place of the radius", "0.0001"],
+/** What it is, an example, and how it is counted where that is often mistaken. */
+const fields: Record<string, [string, string, string?]> = {
+  board: ["Inner corners, columns x rows", "9x6", "A board of 10 x 7 squares has 9x6 inner corners."],
+  spacing: ["Side of a square, m", "0.025", "Between two corners: 25 mm is 0.025."],
+  target: ["What is on the target", "chessboard", "chessboard, circles or asymmetric_circles"],
+  size: ["Size of the images, px", "640x480"],
+  camera: ["Camera, where there are several", "left"],
+  part: ["Part of a log", "joints", "joints, odometry or frames"],
+  unit: ["Unit of angles", "deg"],
+  "time-unit": ["Unit of times", "ms"],
+  "length-unit": ["Unit of lengths", "mm"],
+  map: ["Names of columns", ""],
+  reverse: ["Joints that count the other way", "pan,tilt"],
+  "off-where": ["Rows without drive", "command=0"],
+  base: ["Between the wheels, m", "0.3"],
+  radius: ["Radius of the wheels, m", "0.035"],
+  "metres-per-tick": ["Metres a tick, in place of the radius", "0.0001"],
 };
 
 /** Sends the files; a set is opened, others are imported at once or with the options that a person gives. */
@@ -45,7 +48,7 @@ export async function receive(list: Named[]): Promise<void> {
     const answer = await api.upload(list);
     if (!("dropped" in answer)) {
       take(answer);
-      screen.value = "work";
+      begin();
       return;
     }
     [kinds.value, files.value, dropped.value, kind.value] = [known.kinds, list, answer.dropped, answer.kind];
@@ -61,45 +64,75 @@ export async function receive(list: Named[]): Promise<void> {
 
 async function tryImport(): Promise<void> {
   const given = Object.fromEntries(Object.entries(options.value).filter(([name, value]) => value && chosen()?.options.includes(name)));
+  trouble.value = "";
+  isImporting.value = true;
   trouble.value = await openImport(dropped.value, kind.value, given);
+  isImporting.value = false;
   if (trouble.value) return;
   dropped.value = "";
-  screen.value = "work";
+  begin();
 }
 
 const chosen = () => kinds.value.find((one) => one.name === kind.value);
 
+/** The options that the import's words ask for. */
+const askedFor = (name: string) => new RegExp(`--${name}\\b`).test(trouble.value);
+
+/** What the files lack, in the form's words. */
+const plainly = (text: string) => text.replace(/--([a-z-]+)( [A-Z][A-Zx]+)?/g,
+  (word, name: string) => (fields[name] ? `“${fields[name][0]}”` : word));
+
 export function ImportForm() {
+  const form = useRef<HTMLFormElement>(null);
+  useEffect(() => {
+    if (trouble.value) (form.current?.querySelector<HTMLElement>("[aria-required=true]") ?? form.current?.querySelector<HTMLElement>("select"))?.focus();
+  }, [trouble.value]);
   if (!dropped.value) return null;
   const now = chosen();
   const names = files.value.map(({ path }) => path);
+  const place = (name: string) => Object.keys(fields).indexOf(name);
+  const options = [...(now?.options ?? [])].sort((a, b) => place(a) - place(b));
   return (
-    <form class="import" aria-label="Import" onSubmit={(e) => { e.preventDefault(); void tryImport(); }}>
+    <form class="import" aria-label="Import" ref={form} onSubmit={(e) => { e.preventDefault(); void tryImport(); }}>
       <h2>Import {names.length === 1 ? <code>{names[0]}</code> : <>{names.length} files: <code>{names[0]}</code>, …</>}</h2>
-      {trouble.value && <p class="message trouble" role="alert">{trouble.value}</p>}
+      {trouble.value && <p class="message trouble" role="alert">{plainly(trouble.value)}</p>}
+      {!now && <p class="message trouble" role="alert">Nothing that SEAM imports looks like {names.length === 1 ? "this file" : "these files"}.
+        If you know what {names.length === 1 ? "it is" : "they are"}, choose it below.</p>}
       <div class="fields">
         <label class="wide">These files are
           <select value={kind.value} required onChange={(e) => { kind.value = e.currentTarget.value; trouble.value = ""; }}>
             <option value="" disabled>choose …</option>
-            {kinds.value.map((one) => <option key={one.name} value={one.name}>{one.what} ({one.name})</option>)}
+            {kinds.value.map((one) => <option key={one.name} value={one.name}>{nameOf(one)}</option>)}
           </select></label>
-        {(now?.options ?? []).map((name) => <Option key={name} name={name} quantities={now!.quantities} />)}
+        {options.map((name) => <Option key={name} name={name} quantities={now!.quantities} />)}
       </div>
-      {now && <p class="quiet small">{now.name} reads {now.help}. Leave empty what the files say themselves.
-        {now.quantities.length > 0 && <> Names for <code>--map</code>: <code>{now.quantities.join(", ")}</code>.</>}</p>}
+      {now && <p class="quiet small">SEAM reads {now.help}. Leave empty what the files say themselves.
+        {now.quantities.length > 0 && <> Columns are named like <code>{now.quantities[0]}=THEIRS</code>; ours are{" "}
+          <code>{now.quantities.join(", ")}</code>.</>}</p>}
       <div class="actions">
-        <button type="submit" class="primary" disabled={busy.value !== "" || !now}>Import</button>
+        <button type="submit" class="primary" disabled={busy.value !== "" || !now}>{isImporting.value ? "Importing …" : "Import"}</button>
         <button type="button" disabled={busy.value !== ""} onClick={() => (dropped.value = "")}>Cancel</button>
       </div>
     </form>
   );
 }
 
+/** A kind of files without what is the command's. */
+function nameOf({ what, name, help }: api.ImportKind): string {
+  const text = (what || help).replace(/ \(with .*\)$/, "");
+  return `${text[0].toUpperCase()}${text.slice(1)} (${name})`;
+}
+
 function Option({ name, quantities }: { name: string; quantities: string[] }) {
-  const [meaning, example] = examples[name] ?? ["", ""];
+  const [meaning, example, hint] = fields[name] ?? [name, ""];
+  const asked = askedFor(name);
   return (
-    <label><span><code>--{name}</code> <span class="quiet">{meaning}</span></span>
-      <input value={options.value[name] ?? ""} placeholder={name === "map" ? `${quantities[0]}=THEIRS` : example} autocomplete="off"
-        onInput={(e) => (options.value = { ...options.value, [name]: e.currentTarget.value })} /></label>
+    <label class={asked ? "asked" : undefined}>
+      <span>{meaning} {asked && <b>needed</b>} <code class="quiet">--{name}</code></span>
+      <input value={options.value[name] ?? ""} placeholder={name === "map" ? `like ${quantities[0]}=THEIRS` : example && `like ${example}`}
+        autocomplete="off" aria-required={asked} aria-label={`${meaning} --${name}`}
+        onInput={(e) => (options.value = { ...options.value, [name]: e.currentTarget.value })} />
+      {hint && <span class="quiet small">{hint}</span>}
+    </label>
   );
 }

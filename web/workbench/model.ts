@@ -62,7 +62,11 @@ export interface LeftOut {
 }
 
 export interface Job {
+  /** Of a look at a version, whose counts the list of candidates shows. */
+  version?: string;
   what: string;
+  /** What goes on just now, such as "reading left: pictures". */
+  doing?: string;
   done: number;
   of: number;
 }
@@ -82,6 +86,8 @@ export interface Session {
   leftOut: LeftOut[];
   recent: Place[];
   samples: Place[];
+  /** Folders named at the terminal: those below may be opened by their names. */
+  named: string[];
   job: Job | null;
   command: string;
   selection: Range[];
@@ -124,4 +130,10 @@ export interface Search {
   cancelled?: boolean;
   trouble?: string;
   advice: string;
+}
+
+/** Of those that shift means the strongest beside the noise first, then those that widen residuals. */
+export function strongestFirst(items: Structure[], noise: Record<string, number>): Structure[] {
+  const size = (item: Structure) => (item.moment === "mean" ? (item.strength ?? 0) / (noise[item.residual] || Infinity) : -1);
+  return [...items].sort((a, b) => size(b) - size(a));
 }

@@ -1,15 +1,15 @@
 // Open measurements: a folder's path, files dropped or chosen, samples, and what was open before.
 import { signal } from "@preact/signals";
 import { filesChosen, filesDropped } from "./dropped";
-import { ImportForm, receive } from "./import";
+import { ImportForm, importing, receive } from "./import";
 import type { Place } from "./model";
-import { busy, openPlace, screen, session } from "./store";
+import { begin, busy, openPlace, session } from "./store";
 
 const path = signal("");
 const over = signal(false);
 
 async function openPath(at: string): Promise<void> {
-  if (await openPlace(at)) screen.value = "work";
+  if (await openPlace(at)) begin();
 }
 
 export function OpenScreen() {
@@ -28,12 +28,14 @@ export function OpenScreen() {
           <label class="file">a folder
             <input type="file" {...{ webkitdirectory: true }} onChange={(e) => void receive(filesChosen(e.currentTarget.files))} /></label>.</p>
         <ImportForm />
-        <form onSubmit={(e) => { e.preventDefault(); void openPath(path.value.trim()); }}>
-          <label>Folder of a measurement set
-            <input value={path.value} placeholder="sets/points-a" required onInput={(e) => (path.value = e.currentTarget.value)} /></label>
-          <button type="submit" class="primary" disabled={busy.value !== ""}>Open</button>
-        </form>
-        {busy.value && <p role="status" class="quiet">{busy.value} …</p>}
+        {now.named.length > 0 && (
+          <form onSubmit={(e) => { e.preventDefault(); void openPath(path.value.trim()); }}>
+            <label><span>Folder of a measurement set, in <code>{now.named.join(", ")}</code></span>
+              <input value={path.value} placeholder={now.named[0]} required onInput={(e) => (path.value = e.currentTarget.value)} /></label>
+            <button type="submit" disabled={busy.value !== ""}>Open</button>
+          </form>
+        )}
+        {busy.value && !importing() && <p role="status" class="quiet">{busy.value} …</p>}
       </div>
       <Places title="Samples" places={now.samples} empty="No samples are installed beside this program." />
       <Places title="Opened before" places={now.recent} empty="Nothing was opened before." />

@@ -1,5 +1,6 @@
 // The picture that the chosen rows were found in, with where each was seen and where the model expects it.
 import { signal } from "@preact/signals";
+import { number, roundScale } from "../shared/format";
 import { palette } from "../shared/palette";
 import { rowsOf, selection } from "./selection";
 import type { View } from "./plots/view";
@@ -18,6 +19,9 @@ export function Picture({ view }: { view: View }) {
   const now = shownOf(view), [du, dv] = [now.r.get("u_px")!, now.r.get("v_px")!];
   const here = chosen.filter((i) => group[i] === group[chosen[0]]);
   const unit = image.width_px / 300;
+  const longest = Math.max(...here.map((i) => Math.hypot(du[i], dv[i])).filter(Number.isFinite), 0);
+  // So that the longest is seen beside its ring, as long as a twelfth of the image at most.
+  const times = longest > 0 ? Math.max(1, roundScale(image.width_px / 12 / longest)) : 1;
   return (
     <figure class="picture">
       <div style={{ aspectRatio: `${image.width_px} / ${image.height_px}` }}>
@@ -25,13 +29,14 @@ export function Picture({ view }: { view: View }) {
         <svg viewBox={`-0.5 -0.5 ${image.width_px} ${image.height_px}`} aria-hidden="true">
           {here.map((i) => (
             <g key={i} fill="none" stroke={palette.pink} stroke-width={unit}>
-              <circle cx={u[i]} cy={v[i]} r={3 * unit} />
-              {Number.isFinite(du[i]) && <circle cx={u[i] - du[i]} cy={v[i] - dv[i]} r={unit} fill={palette.after} stroke="none" />}
+              <circle cx={u[i]} cy={v[i]} r={2 * unit} />
+              {Number.isFinite(du[i]) && <line x1={u[i]} y1={v[i]} x2={u[i] + times * du[i]} y2={v[i] + times * dv[i]}
+                stroke={palette.after} stroke-width={1.4 * unit} />}
             </g>
           ))}
         </svg>
       </div>
-      <figcaption><code>{frame}</code>: rings are where the chosen rows were seen, dots where the model expects them.</figcaption>
+      <figcaption><code>{frame}</code>: rings are where the chosen rows were seen; lines show observed minus predicted, {number(times, 2)} times as long.</figcaption>
     </figure>
   );
 }

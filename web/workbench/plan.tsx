@@ -1,7 +1,7 @@
 // What to measure next: for a measurement not made yet, how well each parameter would be known, the smallest effect that
 // would be found, and which pairs would tie.
 import { signal } from "@preact/signals";
-import { number } from "../shared/format";
+import { number, splitUnit } from "../shared/format";
 import { Rich } from "../shared/rich";
 import { DataTable } from "../shared/table";
 import * as api from "./api";
@@ -32,8 +32,9 @@ export function PlanScreen() {
   return (
     <div class="page plan-screen">
       <h1>What to measure next</h1>
-      <p class="lead">For a measurement like this one that is not made yet: how well each parameter would be known, and the smallest
-        effect that would be found in 95 of 100 cases. Nothing is measured; the model's own predictions say it.</p>
+      <p class="lead">For the same measurement made once more, and for changes of it (more groups, faster motion): how well each
+        parameter would be known, and the smallest effect that would be found in 95 of 100 cases. Nothing is measured; the model's own
+        predictions say it. "Would tie with" names what such a measurement would not separate.</p>
       {searched.value?.advice && <p class="advice"><b>From the search.</b> {searched.value.advice}</p>}
       <fieldset class="effects">
         <legend>Effects; none chosen means all that can be tested</legend>
@@ -50,14 +51,14 @@ export function PlanScreen() {
 
 function Answer() {
   const found = answer.value;
-  if (!found) return <p class="empty">Nothing has been computed yet.</p>;
+  if (!found) return <p class="empty">{asking.value ? "The answer comes when all effects are planned." : "Nothing has been computed yet."}</p>;
   return (
     <>
       {found.headline && <p class="lead">{found.headline}</p>}
       <DataTable columns={[{ label: "Effect" }, { label: "Standard error of each parameter" }, { label: "Smallest found", right: true },
         { label: "Would tie with" }]} rows={rowsOf(found.effects)} />
       {(found.not_planned ?? []).length > 0 && (
-        <p class="quiet">Not constrained by such a measurement: {found.not_planned!.map((one) => one.effect).join(", ")}.</p>
+        <p class="quiet">Not constrained by such a measurement: {unplanned(found)}.</p>
       )}
       {(found.changes ?? []).map((change) => (
         <section key={change.change}>
@@ -70,12 +71,27 @@ function Answer() {
   );
 }
 
+/** Each effect once, with those of its parameters where others of it are planned. */
+function unplanned({ effects, not_planned }: api.PlanAnswer): string {
+  const byEffect = new Map<string, string[]>();
+  for (const { effect, parameter } of not_planned ?? []) {
+    const names = byEffect.get(effect) ?? [];
+    if (parameter && !names.includes(parameter)) names.push(parameter);
+    byEffect.set(effect, names);
+  }
+  return [...byEffect].map(([effect, names]) => (names.length > 0 && effects.some((one) => one.effect === effect)
+    ? `${effect} (${names.join(", ")})` : effect)).join(", ");
+}
+
+const withUnit = (value: number, name: string) => `${number(value)} ${splitUnit(name).unit}`.trim();
+
 const rowsOf = (effects: api.PlanAnswer["effects"]) => effects.map((one) => ({ cells: [
   <code class="effect">{one.effect}</code>,
   <ul class="parameters num">{Object.entries(one.parameters).map(([name, { sigma }]) => (
-    <li key={name}><code>{name}</code> {sigma === null ? "not determined" : <Rich text={`± ${number(sigma)}`} />}</li>))}</ul>,
+    <li key={name}><code>{name}</code> {sigma === null ? "not determined" : <Rich text={`± ${withUnit(sigma, name)}`} />}</li>))}</ul>,
   <ul class="parameters num">{Object.entries(one.smallest_found).map(([name, size]) => (
-    <li key={name}>{size === null ? "none" : <Rich text={number(size)} />}</li>))}</ul>,
+    <li key={name}>{size === null ? <span class="quiet">no size</span> : <Rich text={withUnit(size, name)} />}</li>))}
+    {Object.keys(one.smallest_found).length === 0 && <li class="quiet">{one.in_model ? "in the model" : "–"}</li>}</ul>,
   one.ties.length > 0 ? one.ties.map((tie) => (
     <div key={tie.effect}><code>{tie.effect}</code>{tie.apart_from !== null && <span class="quiet"> below{" "}
       <Rich text={number(tie.apart_from)} /></span>}</div>)) : <span class="quiet">none</span>,

@@ -3,7 +3,7 @@ import { batch, computed, effect, signal } from "@preact/signals";
 import { enterByAddress } from "../shared/enter";
 import type { Structure } from "../shared/types";
 import * as api from "./api";
-import type { LeftOut, Search, Session, Version } from "./model";
+import { strongestFirst, type LeftOut, type Search, type Session, type Version } from "./model";
 import type { View } from "./plots/view";
 import type { Residuals, Rows } from "./rows";
 import { clearSelection, fromRanges, rangesOf, selection } from "./selection";
@@ -117,7 +117,7 @@ export function lookAt(item: { residual: string; covariate: string; moment: stri
 function preselect(structure: Structure[] | null): void {
   const now = loaded.value;
   if (!now) return;
-  const found = (structure ?? []).find((item) => now.residuals.r.has(item.residual) && now.rows.has(item.covariate));
+  const found = strongestFirst(structure ?? [], version.value?.noise ?? {}).find((item) => now.residuals.r.has(item.residual) && now.rows.has(item.covariate));
   const residual = now.residuals.channels[0];
   const covariate = ["time", "row", "group"].find((name) => now.rows.has(name)) ?? now.rows.names[0];
   // Whole images have no covariates by row.
@@ -167,6 +167,9 @@ function forgetSet(): void {
   clearSelection();
 }
 
+/** Whether the list of candidates wants the focus: a set was opened, or what had the focus has gone. */
+export const focusList = signal(false);
+
 let shownKey = "";
 
 /** Takes a state from the server. */
@@ -182,7 +185,6 @@ export function take(next: Session): void {
       searched.value = next.set ? { candidates: [], prospects: [], ties: [], notTestable: [], progress: { done: 0, of: 0 }, advice: "" } : null;
     }
     if (!next.set) screen.value = "open";
-    else if (opened && screen.value === "open") screen.value = "work"; // Events come while a person looks for another set.
   });
   if (next.set && next.current && (other || (waiting && version.value?.looked !== "no"))) {
     shownKey = key;
@@ -221,6 +223,9 @@ async function write(what: string, ask: () => Promise<Session>): Promise<boolean
     return false;
   } finally {
     busy.value = "";
+    requestAnimationFrame(() => {
+      if (document.activeElement === document.body && screen.value === "work") focusList.value = true;
+    });
   }
 }
 
@@ -240,6 +245,7 @@ async function openBy(what: string, ask: () => Promise<Session>): Promise<string
   busy.value = what;
   try {
     take(await ask());
+    saved.value = true;
     return "";
   } catch (error) {
     return (error as Error).message;
@@ -253,6 +259,14 @@ export async function openPlace(path: string): Promise<boolean> {
   const wrong = await openBy("opening", () => api.open(path));
   if (wrong) problem.value = wrong;
   return wrong === "";
+}
+
+/** To the work on the set that was opened; of a session that goes on it is said. */
+export function begin(): void {
+  screen.value = "work";
+  focusList.value = true;
+  const all = session.value?.versions ?? [];
+  if (all.length > 1) say(`This session goes on, at version ${version.value?.id} of ${all.length}. Session leads back to ${all[0].id}.`);
 }
 
 /** Imports what was dropped and opens it. */
@@ -303,10 +317,11 @@ function shareSelection(): void {
 /** The screen stands in the address, so that a reload shows it again. */
 function keepScreen(): void {
   const wanted = location.hash.slice(1) as Screen;
-  if (session.value?.set && screens.some(([name]) => name === wanted)) screen.value = wanted;
+  if (session.value?.set) screen.value = wanted === "open" || screens.some(([name]) => name === wanted) ? wanted : "work";
   effect(() => {
     history.replaceState(null, "", `#${screen.value}`);
     scrollTo(0, 0); // Where the last screen was scrolled to is no place of this one.
+    notice.value = problem.value = ""; // What was said of the last one.
   });
 }
 
@@ -324,6 +339,9 @@ export async function start(): Promise<void> {
       // The fit replaces the linear step.
       if (id !== session.value?.current) return;
       if (previews.value.has(keyOf(name)) || pointed.value === name) void fetchPreview(name, true);
+    },
+    job: (job) => {
+      if (session.value) session.value = { ...session.value, job };
     },
     connected: (is) => (connected.value = is),
   });

@@ -3,6 +3,7 @@ import { signal } from "@preact/signals";
 import { number, splitUnit, words } from "../shared/format";
 import { Strength } from "../shared/parts";
 import type { Structure } from "../shared/types";
+import { strongestFirst } from "./model";
 import { look, lookAt, version } from "./store";
 
 const firstShown = 5;
@@ -16,7 +17,7 @@ const sameAs = (a: Structure, b: { residual: string; covariate: string; moment: 
 
 export function StructureList() {
   const now = version.value;
-  const items = now?.structure;
+  const items = now?.structure && strongestFirst(now.structure, now.noise);
   if (!now) return null;
   if (now.trouble && !items) return null; // The head has it.
   if (!items) return <p class="empty" role="status">Testing what the residuals depend on …</p>;

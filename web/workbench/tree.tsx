@@ -1,10 +1,11 @@
-// The session: the tree of versions with notes, two of them side by side, the script that repeats it, and exports.
+// The session: the tree of versions with notes, two of them side by side, the script that repeats it.
 import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { number } from "../shared/format";
 import { ParameterList } from "../shared/parts";
 import { DataTable } from "../shared/table";
 import * as api from "./api";
+import { Exports } from "./exports";
 import type { Version } from "./model";
 import { goTo, say, session, setNote } from "./store";
 
@@ -100,26 +101,6 @@ function Script() {
       <header class="side-head"><h2>As a script</h2><button type="button" onClick={copy}>Copy as script</button></header>
       <p class="quiet">A shell script that ends in the same files.</p>
       {script.value === null ? <p class="empty" role="status">Reading …</p> : <pre class="script" tabIndex={0}>{script.value}</pre>}
-    </section>
-  );
-}
-
-const exported: [string, string, string][] = [
-  ["model", "Model", "the version shown, a model file of SEAM"],
-  ["report", "Report", "a page that works without this program"],
-  ["session", "Whole session", "all versions, notes and rows left out, as an archive"],
-];
-
-function Exports() {
-  return (
-    <section aria-label="Export">
-      <h2>Export</h2>
-      <ul class="exports">
-        {exported.map(([what, label, text]) => (
-          <li key={what}><a class="button" href={api.exportAddress(what)} download>{label}</a> <span class="quiet">{text}</span></li>
-        ))}
-      </ul>
-      <p class="quiet">Plots are saved as SVG by the button at the corner of each.</p>
     </section>
   );
 }

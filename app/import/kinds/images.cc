@@ -30,18 +30,31 @@ class LeftOut {
     const size_t colon = why.find(": ");
     std::string& list = named_[why.substr(0, colon)];
     size_t& count = counts_[why.substr(0, colon)];
+    if (colon != std::string::npos) ++details_[why.substr(0, colon)][why.substr(colon + 2)];
     if (++count <= 4)
       list += (list.empty() ? "" : ", ") + name +
               (colon == std::string::npos ? "" : " (" + why.substr(colon + 2) + ")");
     ++all_;
   }
   size_t all() const { return all_; }
+  // What many show in place of what was asked for, where the first few do not say it.
+  std::string commonest(const std::string& why) const {
+    const auto found = details_.find(why);
+    if (found == details_.end() || found->second.size() < 2) return "";
+    const auto most =
+        std::max_element(found->second.begin(), found->second.end(),
+                         [](const auto& a, const auto& b) { return a.second < b.second; });
+    return most->second < 3
+               ? ""
+               : fmt::format("; most often {}, in {} pictures", most->first, most->second);
+  }
   std::vector<std::string> sentences(size_t pictures) const {
     std::vector<std::string> result;
     for (const auto& [why, list] : named_) {
       const size_t count = counts_.at(why);
-      result.push_back(fmt::format("{} of {} pictures left out, {}: {}{}", count, pictures, why,
-                                   list, count > 4 ? fmt::format(" and {} more", count - 4) : ""));
+      result.push_back(fmt::format("{} of {} pictures left out, {}: {}{}{}", count, pictures, why,
+                                   list, count > 4 ? fmt::format(" and {} more", count - 4) : "",
+                                   commonest(why)));
     }
     return result;
   }
@@ -49,6 +62,7 @@ class LeftOut {
  private:
   std::map<std::string, std::string> named_;
   std::map<std::string, size_t> counts_;
+  std::map<std::string, std::map<std::string, size_t>> details_;
   size_t all_ = 0;
 };
 

@@ -78,7 +78,8 @@ std::shared_ptr<const ScenarioPrediction> OutcomePredictor::predict(
   ScenarioPrediction made{.statistics = statistics_of(table.runs, runs_.alike(plan), wanted_[plan]),
                           .runs = table.runs.size(),
                           .told_by = table.runs.size(),
-                          .first_error = std::move(table.first_error)};
+                          .first_error = std::move(table.first_error),
+                          .table = std::move(table.runs)};
   Eigen::MatrixXd& covariance = made.statistics.covariance;
   made.scatter = covariance;
   if (given) {

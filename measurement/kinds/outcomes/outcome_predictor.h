@@ -21,6 +21,7 @@ struct ScenarioPrediction {
   Eigen::MatrixXd scatter;  // Covariance of the statistics of as many other runs.
   size_t told_by = 0;       // So many runs tell it.
   std::string first_error;
+  std::vector<std::vector<double>> table;  // What each run kept, by the plan's own seeds.
 };
 
 class OutcomePredictor {

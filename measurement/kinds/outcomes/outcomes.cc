@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "effects/questions.h"
 #include "effects/registry.h"
@@ -194,6 +195,25 @@ std::vector<Structure> OutcomesProblem::structure(const Model& model, const Grou
   }
   strongest_first(facts_, found);
   return found;
+}
+
+std::vector<RunsOfScenario> OutcomesProblem::runs(const Model& model) const {
+  std::vector<RunsOfScenario> scenarios;
+  for (size_t plan = 0; plan < predictor_->rows_of_plan().size(); ++plan) {
+    std::set<size_t> columns;
+    for (const size_t row : predictor_->rows_of_plan()[plan])
+      columns.insert(rows_[row].statistic.column);
+    const auto prediction = columns.empty() ? nullptr : predictor_->predict(plan, model);
+    if (!prediction) continue;
+    RunsOfScenario scenario{.scenario = settings_.runs.plans[plan].name, .values = {}, .table = {}};
+    for (const size_t column : columns) {
+      scenario.values.push_back(runs_->columns(plan)[column]);
+      std::vector<double>& values = scenario.table.emplace_back();
+      for (const std::vector<double>& run : prediction->table) values.push_back(run[column]);
+    }
+    scenarios.push_back(std::move(scenario));
+  }
+  return scenarios;
 }
 
 void OutcomesProblem::check_model(const Model& model) const {

@@ -15,6 +15,13 @@
 
 namespace seam::measurement {
 
+// What each run of a scenario kept: of those values that the set has numbers of.
+struct RunsOfScenario {
+  std::string scenario;
+  std::vector<std::string> values;         // Names.
+  std::vector<std::vector<double>> table;  // By value, by run; NaN where a run gave none.
+};
+
 class OutcomesProblem : public Problem {
  public:
   OutcomesProblem(const MeasurementSet& set, const Instruments& instruments);
@@ -48,6 +55,8 @@ class OutcomesProblem : public Problem {
   // Rows whitened by the covariance that this model predicts.
   std::vector<double> whitened_by(const Model& model, const Groups& groups,
                                   const std::vector<double>& rows) const;
+  // With this model, by the plans' own seeds; none where the budget of runs is used up.
+  std::vector<RunsOfScenario> runs(const Model& model) const;
   // The range of a parameter that the set states; nothing: it states none.
   std::optional<Bounds> bounds(const std::string& effect, const std::string& parameter) const;
 

@@ -118,6 +118,18 @@ void add_sights(const MeasurementSet& set, const Table& table, DataColumns& data
                   {"robot_y_m", std::move(robot_y)}};
 }
 
+// Which number of whole runs a row is, with its error.
+void add_outcomes(const Table& table, DataColumns& data) {
+  for (const char* name : {"scenario", "value", "statistic"}) {
+    std::vector<std::string> texts;
+    for (const size_t line : table.row) texts.emplace_back(table.csv.cell(line, name));
+    const std::vector<int> numbers = number_groups(texts, data.names[name]);
+    data.columns.emplace_back(name, std::vector<double>(numbers.begin(), numbers.end()));
+  }
+  for (const char* name : {"measured", "sigma"})
+    data.columns.emplace_back(name, table.column(name));
+}
+
 }  // namespace
 
 const std::vector<double>& DataColumns::at(const std::string& name) const {
@@ -142,6 +154,7 @@ DataColumns data_columns(const Problem& problem, const MeasurementSet& set) {
   if (kind == "joints") add(Table(set.table("joints"), facts), {"measured_rad", "command_rad"});
   if (kind == "odometry") add(Table(set.table("odometry"), facts), {"x_m", "y_m"});
   if (kind == "landmarks") add_sights(set, Table(set.table("observations"), facts), data);
+  if (kind == "outcomes") add_outcomes(Table(set.table("outcomes"), facts), data);
   return data;
 }
 

@@ -26,8 +26,8 @@ struct DataColumns {
 };
 
 // joints: track, time_s since the track's start, measured_rad, command_rad. odometry: track,
-// time_s, x_m, y_m. landmarks: landmark, landmark_x_m, landmark_y_m, robot_x_m, robot_y_m. Other
-// kinds: none.
+// time_s, x_m, y_m. landmarks: landmark, landmark_x_m, landmark_y_m, robot_x_m, robot_y_m.
+// outcomes: scenario, value, statistic, measured, sigma. Other kinds: none.
 DataColumns data_columns(const Problem& problem, const MeasurementSet& set);
 
 }  // namespace seam::measurement

@@ -14,6 +14,7 @@
 #include "measurement/search/models/compare.h"
 #include "sim_core/base/error.h"
 #include "tools/workbench/look/frame_strip.h"
+#include "tools/workbench/look/outcome_runs.h"
 #include "tools/workbench/look/prospects.h"
 #include "tools/workbench/look/row_table.h"
 #include "tools/workbench/look/set_json.h"
@@ -120,6 +121,7 @@ class Looker {
                  : table_->rows(view, view, data));
     write_whole("frames.bin", measured_frames(*problem_, set_));
     write_whole("predicted.bin", predicted_frames(*problem_, set_, fitted));
+    write_whole("runs.bin", predicted_runs(*problem_, fitted));
   }
 
   void tell_set() {
@@ -153,6 +155,7 @@ class Looker {
                json head) {
     const auto view = problem_->residual_view(model, problem_->all_groups());
     write_whole("predicted-" + effect + ".bin", predicted_frames(*problem_, set_, model));
+    write_whole("runs-" + effect + ".bin", predicted_runs(*problem_, model));
     write(how + effect + ".bin", table_->residuals(view, std::move(head)));
     const std::lock_guard lock(mutex_);
     say({{"event", "preview"}, {"effect", effect}});

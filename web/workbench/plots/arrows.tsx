@@ -8,7 +8,7 @@ import { number } from "../../shared/format";
 import { palette } from "../../shared/palette";
 import { paintArrows } from "../paint";
 import { choose, rowsOf, selection } from "../selection";
-import { everyFew, imageHeight, shownOf, type View } from "./view";
+import { everyFew, imageHeight, imageOf, shownOf, type View } from "./view";
 
 const mostArrows = 1200;
 
@@ -22,7 +22,7 @@ export function ArrowPlot({ view }: { view: View }) {
       .map((i) => [u[i], v[i], du[i], dv[i]] as [number, number, number, number]);
     return items.length > 1 ? arrowScale([{ items }]) : 1;
   }, [rows, before]);
-  const size = image ?? { width_px: Math.max(...u) + 1, height_px: Math.max(...v) + 1 };
+  const size = useMemo(() => imageOf(view)!, [rows, image]);
   const draw = useCallback((width: number): Plot.PlotOptions => ({
     height: imageHeight(width, size), marginLeft: 40, marginRight: 12, marginTop: 26, marginBottom: 36,
     x: { domain: [-0.5, size.width_px - 0.5], label: "u (px)", ticks: 6, tickSize: 4 },

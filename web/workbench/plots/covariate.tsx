@@ -6,11 +6,11 @@ import { covariateUnit, number, splitUnit, words } from "../../shared/format";
 import { palette } from "../../shared/palette";
 import { residualOptions, type Pair } from "../../shared/residual_plot";
 import type { Bin } from "../../shared/types";
-import { binned } from "../bins";
+import { binned, isLabel } from "../bins";
 import { paintChosen, paintDots } from "../paint";
 import type { Residuals, Rows } from "../rows";
 import { choose, selection } from "../selection";
-import { imageHeight, shownOf, type View } from "./view";
+import { imageHeight, imageOf, shownOf, type View } from "./view";
 
 export interface CovariateProps {
   view: View;
@@ -23,8 +23,9 @@ export interface CovariateProps {
 }
 
 function plotOf(rows: Rows, of: Residuals, stage: "before" | "after", residual: string, covariate: string, moment: string) {
-  const unit = covariateUnit(covariate);
-  return { residual, covariate, moment, stage, ...(unit ? { x_unit: unit } : {}),
+  const unit = covariateUnit(covariate), names = rows.words.names?.[covariate];
+  return { residual, covariate, moment, stage, ...(unit ? { x_unit: unit } : {}), ...(names ? { x_names: names } : {}),
+    discrete: isLabel(covariate),
     bins: binned(rows, covariate, of.r.get(residual)!, of.s.get(residual)!) };
 }
 
@@ -34,8 +35,9 @@ export function CovariatePlot({ view, residual, covariate, moment, residuals, co
     [rows, before, residual, covariate, moment]);
   const pair: Pair = useMemo(() => ({ before: first,
     ...(after ? { after: plotOf(rows, after, "after", residual, covariate, moment) } : {}) }), [first, after]);
+  const image = useMemo(() => imageOf(view), [rows, view.image]);
   const draw = useCallback((width: number) => ({ ...residualOptions(pair, width),
-    ...(view.image && rows.has("u_px") ? { height: imageHeight(width, view.image) } : {}) }), [pair, view.image]);
+    ...(image ? { height: imageHeight(width, image) } : {}) }), [pair, image?.width_px, image?.height_px]);
   const chosen = selection.value;
   const x = rows.column(covariate)!, y = shownOf(view).r.get(residual)!;
   const paint = useCallback((context: CanvasRenderingContext2D, frame: Frame) => {

@@ -3,6 +3,7 @@ import * as Plot from "@observablehq/plot";
 import { useCallback, useMemo } from "preact/hooks";
 import { Figure } from "../../shared/figure";
 import { number } from "../../shared/format";
+import type { Item } from "../../shared/keys";
 import { palette } from "../../shared/palette";
 import type { Residuals, Rows } from "../rows";
 import { choose } from "../selection";
@@ -50,11 +51,17 @@ export function FlatPlots({ view }: { view: View }) {
     const light = rows.column("illumination")!;
     choose(rows.n, (i) => light[i] === nearest.light, `light level ${number(nearest.light)}`, add);
   };
+  const itemsOf = (of: (level: Level) => [number, number]) => first.map((level) => {
+    const [x, y] = of(level);
+    return { x, y, label: `light level ${number(level.light)}: mean ${number(level.mean)} DN` };
+  }).filter((item) => Number.isFinite(item.x) && Number.isFinite(item.y));
   return (
     <>
-      <Levels first={first} second={second} onPick={useCallback(pick((level) => [level.light, level.mean]), [first])} />
+      <Levels first={first} second={second} onPick={useCallback(pick((level) => [level.light, level.mean]), [first])}
+        items={useMemo(() => itemsOf((level) => [level.light, level.mean]), [first])} />
       {first.some((level) => level.variance > 0) && <PhotonTransfer first={first} second={second}
-        onPick={useCallback(pick((level) => [level.mean, level.variance]), [first])} />}
+        onPick={useCallback(pick((level) => [level.mean, level.variance]), [first])}
+        items={itemsOf((level) => [level.mean, level.variance])} />}
     </>
   );
 }
@@ -63,9 +70,10 @@ interface LevelProps {
   first: Level[];
   second?: Level[];
   onPick: (x: number, y: number, add: boolean) => void;
+  items: Item[];
 }
 
-function Levels({ first, second, onPick }: LevelProps) {
+function Levels({ first, second, onPick, items }: LevelProps) {
   const draw = useCallback((width: number): Plot.PlotOptions => ({
     height: 240, marginLeft: 52, marginBottom: 38,
     x: { label: "light", ticks: width < 420 ? 4 : 6, tickSize: 4, nice: true },
@@ -78,13 +86,13 @@ function Levels({ first, second, onPick }: LevelProps) {
   }), [first, second]);
   const off = (levels: Level[]) => number(Math.max(...levels.map((level) => Math.abs(level.mean - level.predicted))), 2);
   return (
-    <Figure name="light levels" draw={draw} onPick={onPick} title={<>light levels <span class="quiet">means over all pixels</span></>}
+    <Figure name="light levels" draw={draw} onPick={onPick} items={items} title={<>light levels <span class="quiet">means over all pixels</span></>}
       sentence={`Dots were measured, the orange line is the model: at most ${off(first)} DN off${second
         ? `; the blue line is the preview, at most ${off(second)} DN` : ""}. A curve is a response that is not linear.`} />
   );
 }
 
-function PhotonTransfer({ first, second, onPick }: LevelProps) {
+function PhotonTransfer({ first, second, onPick, items }: LevelProps) {
   const lit = useMemo(() => [first, second].map((levels) => levels?.filter((level) => level.variance > 0 && level.stated > 0)), [first, second]);
   const draw = useCallback((width: number): Plot.PlotOptions => ({
     height: 240, marginLeft: 52, marginBottom: 38,
@@ -97,7 +105,7 @@ function PhotonTransfer({ first, second, onPick }: LevelProps) {
     ],
   }), [lit]);
   return (
-    <Figure name="photon transfer" draw={draw} onPick={onPick}
+    <Figure name="photon transfer" draw={draw} onPick={onPick} items={items}
       title={<>photon transfer <span class="quiet">variance against mean</span></>}
       sentence={`The noise of single values at each light level: dots were measured, the orange line is the model${second
         ? ", the blue line the preview" : ""}. Shot noise is a straight line, read noise where it begins, a spread of gains bends it up.`} />

@@ -79,11 +79,13 @@ export function GroupPlot({ view, name = "group", ids: given, labels }: GroupPro
     const group = first[Math.round(x)];
     if (group && ids) choose(rows.n, (i) => ids[i] === group.id, `${name} ${label(group.id)}`, add);
   }, [first, rows]);
+  const items = useMemo(() => shown.map((group, k) => ({ x: k, y: group.error, label: `${name} ${label(group.id)}: error ${number(group.error)}` })),
+    [shown, name]);
   const worst = [...shown].sort((a, b) => b.error - a.error)[0];
   const held = shown.filter((group) => group.heldOut).length;
   if (first.length === 0) return null; // Rows of single pixels have none.
   return (
-    <Figure name={`error by ${given ? name : "group"}`} draw={draw} paint={paint} onPick={onPick}
+    <Figure name={`error by ${given ? name : "group"}`} draw={draw} paint={paint} onPick={onPick} items={items}
       title={<>error by {name} <span class="quiet">{held > 0 && "hatched: held out, never fitted"}</span></>}
       sentence={`The largest is ${number(worst?.error)}, of ${name} ${label(worst?.id)}.${given ? "" : held === 0
         ? " With so few groups each is judged by a fit to the others." : ` Fits use ${shown.length - held} groups; the other ${held} judge.`}`} />

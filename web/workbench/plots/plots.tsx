@@ -10,6 +10,7 @@ import { FramePlots } from "./frames";
 import { GroupPlot } from "./groups";
 import { LandmarkPlots } from "./landmarks";
 import { MapPlot } from "./map";
+import { OutcomePlots } from "./outcomes";
 import { ServoPlots } from "./servo";
 import { SpreadPlot } from "./spread";
 import { WalkPlots } from "./walk";
@@ -33,6 +34,7 @@ function ofKind(now: View) {
   if (now.rows.data("command_rad")) return <ServoPlots view={now} />;
   if (now.rows.data("x_m")) return <WalkPlots view={now} />;
   if (now.rows.data("robot_x_m")) return <LandmarkPlots view={now} />;
+  if (now.rows.data("statistic")) return <OutcomePlots view={now} />;
   if (now.rows.data("observed dn")) return <FlatPlots view={now} />;
   return null;
 }
@@ -64,7 +66,7 @@ function covariatePlot({ view: now, item }: Shown) {
 
 function mapPlot({ view: now, item }: Shown) {
   const axes = axesOf(now, item.covariate);
-  return axes && <MapPlot view={now} residual={item.residual} x={axes[0]} y={axes[1]} />;
+  return axes && !now.rows.data("statistic") && <MapPlot view={now} residual={item.residual} x={axes[0]} y={axes[1]} />;
 }
 
 /** Of flat fields: where in the image. */

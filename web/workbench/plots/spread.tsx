@@ -18,9 +18,14 @@ export function SpreadPlot({ view, residual }: { view: View; residual: string })
     choose(rows.n, (i) => histogramBin(r[i] / s[i]) === bin,
       `${words(residual)} residual near ${z.toFixed(1)} of its errors`, add);
   }, [now, residual, rows]);
+  const items = useMemo(() => {
+    const { counts, edges } = second ?? first;
+    return counts.map((n, k) => ({ x: (edges[k] + edges[k + 1]) / 2, y: 0, label: `${edges[k]} to ${edges[k + 1]} of their errors: ${n} rows` }))
+      .filter((_, k) => counts[k] > 0);
+  }, [first, second]);
   const share = 100 * beyond(second ?? first, 3);
   return (
-    <Figure name="spread of residuals" draw={draw} onPick={onPick}
+    <Figure name="spread of residuals" draw={draw} onPick={onPick} items={items}
       title={<>how residuals are spread <span class="quiet">beside the normal curve</span></>}
       sentence={`${share.toFixed(1)} % lie beyond three of their errors, 0.3 % would if the noise were normal. ` +
         `The outermost bars hold all beyond ${reach}.`} />

@@ -1,5 +1,5 @@
 // What the plots of one moment show: the rows, the residuals of the model, and those of a preview where there is one.
-import type { Residuals, Rows } from "../rows";
+import type { Numbers, Residuals, Rows } from "../rows";
 
 export interface View {
   version: string;
@@ -10,6 +10,18 @@ export interface View {
   with?: string;
   image?: { width_px: number; height_px: number };
   noise: Record<string, number>;
+}
+
+/** Of the camera's image; where the set does not say it, what holds all points. Undefined where points are none of an image. */
+export function imageOf({ rows, image }: View): { width_px: number; height_px: number } | undefined {
+  const [u, v] = [rows.column("u_px"), rows.column("v_px")];
+  if (!u || !v) return undefined;
+  const most = (values: Numbers) => {
+    let high = 0;
+    for (const value of values) if (value > high) high = value;
+    return high + 1;
+  };
+  return image ?? { width_px: most(u), height_px: most(v) };
 }
 
 /** The height of a plot of the image, with the margins that its axes need. */
