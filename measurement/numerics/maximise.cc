@@ -20,7 +20,8 @@ using Eigen::VectorXd;
 class Search {
  public:
   Search(const std::function<double(const std::vector<double>&)>& f,
-         const std::vector<SearchParameter>& parameters, Calls calls)
+         const std::vector<SearchParameter>& parameters, Calls calls,
+         const std::vector<double>& alike)
       : f_(f),
         parameters_(parameters),
         calls_(calls),
@@ -36,6 +37,8 @@ class Search {
       step_[i] = p.step;
     }
     start_ = z_;
+    told_ = !alike.empty();
+    if (told_) curvature_ = Eigen::Map<const MatrixXd>(alike.data(), n_, n_);
     settled_ = std::all_of(parameters.begin(), parameters.end(),
                            [](const SearchParameter& p) { return p.step_fits; });
   }
@@ -48,11 +51,11 @@ class Search {
     DampedSteps steps(
         {.start = 1e-3, .shrink = 0.125, .least = 1e-9, .grow = 6, .firm = 1e-6, .attempts = 9});
     Maximum out;
-    bool misled = true;
+    bool misled = !told_;
     for (int iteration = 0; iteration < kMostSteps && n_ > 0; ++iteration) {
       // Parameters' correlations change little between most steps: they are measured at the start,
       // at the end, and where a step gained less than they promised.
-      derivatives(here, misled || settled_);
+      derivatives(here, misled || (settled_ && !told_));
       const double before = here;
       const bool accepted =
           steps.take(parabola(), {.promise = kNothing, .again = kNothing}, [&](const VectorXd& by) {
@@ -248,6 +251,7 @@ class Search {
   void finish(Maximum& out, double here) {
     out.log_likelihood = here;
     out.covariance.assign(static_cast<size_t>(n_) * n_, 0);
+    out.curvature.assign(curvature_.data(), curvature_.data() + curvature_.size());
     // Directions without curvature have no estimate. One that drifted to an end of its range, where
     // the likelihood is no better than at its start, says nothing: it stays at its start.
     constexpr double kNoBetter = 0.5;  // Less than one standard error changes.
@@ -264,6 +268,7 @@ class Search {
       const SearchParameter& p = parameters_[i];
       out.value.push_back(p.logarithmic ? std::exp(z_[i]) : z_[i]);
       out.at_bound.push_back(is_at_end(i));
+      out.step.push_back(step_[i]);
       const double jacobian = p.logarithmic ? out.value[i] : 1;
       out.sigma.push_back(known[i] ? jacobian * std::sqrt(covariance(i, i))
                                    : std::numeric_limits<double>::infinity());
@@ -288,13 +293,15 @@ class Search {
   VectorXd used_ = VectorXd::Zero(n_), shifted_ = VectorXd::Zero(n_);
   MatrixXd curvature_;
   bool settled_ = false;
+  bool told_ = false;  // Correlations were given.
 };
 
 }  // namespace
 
 Maximum maximise(const std::function<double(const std::vector<double>&)>& log_likelihood,
-                 const std::vector<SearchParameter>& parameters, Calls calls) {
-  return Search(log_likelihood, parameters, calls).run();
+                 const std::vector<SearchParameter>& parameters, Calls calls,
+                 const std::vector<double>& alike) {
+  return Search(log_likelihood, parameters, calls, alike).run();
 }
 
 }  // namespace seam::measurement

@@ -22,8 +22,11 @@ struct Maximum {
   std::vector<double> sigma;  // Infinite where the function does not depend on it.
   // The same by differences along the axes alone: beyond reason where a valley is long and bent.
   std::vector<double> axis_sigma;
+  std::vector<double> step;  // Half a standard deviation along each axis, as SearchParameter::step.
   std::vector<double> covariance;  // Row-major.
   std::vector<char> at_bound;
+  // Of minus the log-likelihood, row-major, on the search's scale.
+  std::vector<double> curvature;
   double log_likelihood = 0;
   double gained = 0;  // On the start's.
   bool converged = false;
@@ -32,8 +35,10 @@ struct Maximum {
 enum class Calls { one_by_one, side_by_side };
 
 // With `Calls::side_by_side` values for differences are asked for on several threads at once; the
-// answer is the same.
+// answer is the same. `alike`: a curvature with the correlations that this one has (a maximum's, of
+// part of the data); they are then measured only where steps gain less than they promise.
 Maximum maximise(const std::function<double(const std::vector<double>&)>& log_likelihood,
-                 const std::vector<SearchParameter>& parameters, Calls calls = Calls::one_by_one);
+                 const std::vector<SearchParameter>& parameters, Calls calls = Calls::one_by_one,
+                 const std::vector<double>& alike = {});
 
 }  // namespace seam::measurement

@@ -162,6 +162,37 @@ TEST(Maximise, ALookWithStepsThatFitIsNotRepeated) {
   EXPECT_NEAR(once.gained, once.log_likelihood - log_density({3.01, -2.01}), 1e-12);
 }
 
+// Correlations that part of the data showed need not be measured once more in all of them.
+TEST(Maximise, CorrelationsOfPartOfTheDataSaveLooks) {
+  size_t looks = 0;
+  double rows = 1;
+  const auto log_density = [&](const std::vector<double>& x) {
+    ++looks;
+    const double a = x[0] - 3, b = x[1] + 2, c = x[2], d = x[3];
+    return -0.5 * rows * ((a * a - 3.6 * a * b + 4 * b * b) / 0.76 + c * c + d * d - c * d);
+  };
+  std::vector<SearchParameter> parameters(4, {.min = -50, .max = 50, .step = 0.3});
+  const Maximum part = maximise(log_density, parameters);
+  rows = 25;
+  const auto again = [&](const std::vector<double>& alike) {
+    looks = 0;
+    for (size_t i = 0; i < parameters.size(); ++i) {
+      parameters[i] = {.start = part.value[i] + 0.1, .min = -50, .max = 50, .step_fits = true};
+      parameters[i].step = part.step[i] / 5;
+    }
+    return maximise(log_density, parameters, Calls::one_by_one, alike);
+  };
+  const Maximum measured = again({});
+  const size_t all = looks;
+  const Maximum told = again(part.curvature);
+  EXPECT_LE(looks + 12, all);  // Two looks for each of six pairs.
+  EXPECT_TRUE(told.converged);
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    EXPECT_NEAR(told.value[i], measured.value[i], 0.01 * measured.sigma[i]);
+    EXPECT_NEAR(told.sigma[i], part.sigma[i] / 5, 1e-3 * part.sigma[i]);
+  }
+}
+
 TEST(Maximise, StopsAtABoundAndSaysSo) {
   const Maximum found =
       maximise([](const std::vector<double>& x) { return -0.5 * (x[0] - 7) * (x[0] - 7); },

@@ -6,7 +6,6 @@
 #include "effects/stages/sensor/sensor.h"
 #include "measurement/kinds/photometry/photometry_problem.h"
 #include "measurement/kinds/photometry/photometry_smooth.h"
-#include "measurement/numerics/maximise.h"
 #include "measurement/problem/fit_key.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/hash.h"
@@ -202,7 +201,11 @@ Fit PhotometryProblem::fit_all(const Model& start, const std::vector<Unknown>& u
                                const Groups& groups) const {
   const auto sum = sums(groups);
   const PhotometryView view = view_of(*sum);
-  return fit_to(view, with_straight_response(view, start, unknowns), unknowns);
+  const Model from = with_straight_response(view, start, unknowns);
+  if (!small_) return fit_to(view, from, unknowns);
+  const auto small = sums(groups, true);
+  const PhotometryView first = small_view_of(*small);
+  return fit_to(view, from, unknowns, &first);
 }
 
 // A response whose gain is sought begins at the straight line through the levels' means where that
@@ -226,8 +229,8 @@ Model PhotometryProblem::with_straight_response(const PhotometryView& view, cons
   return log_likelihood(view, model) > log_likelihood(view, start) ? model : start;
 }
 
-Fit PhotometryProblem::fit_to(const PhotometryView& view, const Model& start,
-                              const std::vector<Unknown>& unknowns) const {
+std::vector<SearchParameter> PhotometryProblem::sought(const Model& start,
+                                                       const std::vector<Unknown>& unknowns) const {
   std::vector<SearchParameter> parameters;
   const double span =
       std::max(1e-3, std::abs(data_.frames.back().time_s - data_.frames.front().time_s));
@@ -246,6 +249,13 @@ Fit PhotometryProblem::fit_to(const PhotometryView& view, const Model& start,
       search.min = std::max(search.min, 1e-6 * parameter.scale);
     parameters.push_back(search);
   }
+  return parameters;
+}
+
+Fit PhotometryProblem::fit_to(const PhotometryView& view, const Model& start,
+                              const std::vector<Unknown>& unknowns,
+                              const PhotometryView* first) const {
+  std::vector<SearchParameter> parameters = sought(start, unknowns);
   const bool seeks_dark =
       std::any_of(unknowns.begin(), unknowns.end(),
                   [&](const Unknown& unknown) { return makes_dark(*start.find(unknown.effect)); });
@@ -255,12 +265,27 @@ Fit PhotometryProblem::fit_to(const PhotometryView& view, const Model& start,
       model.set_value(unknowns[i].effect, unknowns[i].parameter, values[i]);
     return seeks_dark ? model : with_dark_of(std::move(model), start);
   };
-  PhotometryView beside = view;
-  beside.near = &start;
-  const auto likelihood = [&](const std::vector<double>& values) {
-    return log_likelihood(beside, with(values));
+  std::vector<double> alike;  // Correlations that fewer samples show.
+  const auto find = [&](PhotometryView beside) {
+    beside.near = &start;
+    const auto likelihood = [&](const std::vector<double>& values) {
+      return log_likelihood(beside, with(values));
+    };
+    return maximise(likelihood, parameters, Calls::side_by_side, alike);
   };
-  Maximum maximum = maximise(likelihood, parameters, Calls::side_by_side);
+  // Where each look takes all samples, the way is found on the small sensor's.
+  if (first != nullptr && !cells_stand_for(view, start)) {
+    const double more =
+        static_cast<double>(view.data.samples()) / static_cast<double>(first->data.samples());
+    const Maximum rough = find(*first);
+    for (size_t i = 0; i < parameters.size(); ++i) {
+      parameters[i].start = rough.value[i];
+      parameters[i].step = rough.step[i] / std::sqrt(more);
+      parameters[i].step_fits = true;
+    }
+    alike = rough.curvature;
+  }
+  Maximum maximum = find(view);
   // Where a long bent valley leaves errors beyond reason, another try has steps that fit where the
   // first one ended.
   const auto is_unsure = [&] {
@@ -274,8 +299,9 @@ Fit PhotometryProblem::fit_to(const PhotometryView& view, const Model& start,
     return false;
   };
   for (int more = 0; more < 2 && is_unsure(); ++more) {
+    alike.clear();
     for (size_t i = 0; i < parameters.size(); ++i) parameters[i].start = maximum.value[i];
-    maximum = maximise(likelihood, parameters, Calls::side_by_side);
+    maximum = find(view);
   }
   return {.model = with(maximum.value),
           .value = maximum.value,

@@ -6,6 +6,7 @@
 
 #include "measurement/kinds/kinds.h"
 #include "measurement/kinds/photometry/photometry_starts.h"
+#include "measurement/numerics/maximise.h"
 #include "measurement/problem/problem.h"
 #include "measurement/sets/set.h"
 
@@ -49,8 +50,11 @@ class PhotometryProblem : public Problem {
     return {small_ ? *small_ : data_, sums, set_noise_dn_, channels_share_, &small_cells_};
   }
   Fit fit_all(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const;
-  Fit fit_to(const PhotometryView& view, const Model& start,
-             const std::vector<Unknown>& unknowns) const;
+  std::vector<SearchParameter> sought(const Model& start,
+                                      const std::vector<Unknown>& unknowns) const;
+  // `first`: a smaller sensor of the same, where there is one.
+  Fit fit_to(const PhotometryView& view, const Model& start, const std::vector<Unknown>& unknowns,
+             const PhotometryView* first = nullptr) const;
   Fit without_misfit(const Fit& fit, const Model& start, const std::vector<Unknown>& unknowns,
                      const Groups& groups) const;
   Model with_straight_response(const PhotometryView& view, const Model& start,

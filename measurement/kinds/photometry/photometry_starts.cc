@@ -240,14 +240,20 @@ Values odd_start(const PhotometryView& view, const Model& model, const EffectDef
   return {odd.share, of_gain ? std::max(0.0, 1 + odd.size) : odd.size};
 }
 
+std::optional<double> by_cells(const PhotometryView& view, const Model& model) {
+  if (view.cells == nullptr) return std::nullopt;
+  return cell_log_likelihood(view.data, view.sums, *view.cells, model, view.set_noise_dn,
+                             view.channels_share, view.near);
+}
+
 }  // namespace
 
+bool cells_stand_for(const PhotometryView& view, const Model& model) {
+  return by_cells(view, model).has_value();
+}
+
 double log_likelihood(const PhotometryView& view, const Model& model) {
-  if (view.cells) {
-    const auto fast = cell_log_likelihood(view.data, view.sums, *view.cells, model,
-                                          view.set_noise_dn, view.channels_share, view.near);
-    if (fast) return *fast;
-  }
+  if (const auto fast = by_cells(view, model)) return *fast;
   const auto prediction = predict(view.data, view.sums, model, view.set_noise_dn);
   return score_photometry(view.data, view.sums, prediction, view.channels_share).log_likelihood;
 }

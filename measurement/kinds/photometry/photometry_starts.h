@@ -10,6 +10,8 @@
 namespace seam::measurement {
 
 double log_likelihood(const PhotometryView& view, const Model& model);
+// Whether that needs a look at few cells of light only, in place of all samples.
+bool cells_stand_for(const PhotometryView& view, const Model& model);
 
 // Values of the effect's parameters from which fits start, the likeliest first. `whole`: where few
 // odd samples are looked for.
