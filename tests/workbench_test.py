@@ -258,6 +258,22 @@ class Workbench(OfTheRoom):
         self.assertLess(apart, 0.05 ** 2 * moved)  # What is drawn.
         search = json.loads((self.folder / "look/search.json").read_text())
         self.assertEqual((search["prospects"], search["ended"]), ([], True))
+        # A spread, a count of levels, another lens: no linear step foresees them.
+        for name in ("frame_jitter", "point_scatter", "encoder_quantisation", "fisheye"):
+            first, fit = (decoded((self.folder / f"look/{how}-{name}.bin").read_bytes())[0] for how in ("step", "fit"))
+            self.assertEqual((first["how"], fit["how"]), ("first", "fit"), name)
+            self.assertAlmostEqual(first["error"] / fit["error"], 1, delta=0.1, msg=name)
+
+    def test_flat_fields_have_previews_before_fits(self):
+        sample, data = SOURCE / "scenarios/samples/flats", self.folder / "flats"
+        subprocess.run([SEAM, "measure", "--model", sample / "robot.yaml", "--protocol", sample, "--seed", "1", "--out", data],
+                       check=True, capture_output=True)
+        subprocess.run([SEAM, "workbench", data, "--look", self.folder / "look", "--model", sample / "nominal.yaml"],
+                       capture_output=True, check=True, timeout=LIMIT_S)
+        for name in ("vignetting", "pixel_gain_spread", "response_gamma"):
+            first, fit = (decoded((self.folder / f"look/{how}-{name}.bin").read_bytes())[0] for how in ("step", "fit"))
+            self.assertEqual((first["how"], fit["how"]), ("first", "fit"), name)
+            self.assertAlmostEqual(first["error"] / fit["error"], 1, delta=0.3, msg=name)
 
     def test_a_bad_request_says_what_is_wrong(self):
         with self.page() as page:

@@ -15,8 +15,8 @@ namespace {
 using effects::Parameter;
 using effects::ParameterValue;
 
-// The model with the effect and its companions at these values; replacements push out what they
-// replace. Companions without values are small.
+}  // namespace
+
 Model with_effect(Model model, const Prospect& prospect, const std::vector<double>& values) {
   effects::remove_replaced(*prospect.effect, model);
   size_t at = 0;
@@ -33,6 +33,8 @@ Model with_effect(Model model, const Prospect& prospect, const std::vector<doubl
   for (const auto& companion : prospect.companions) add(companion);
   return model;
 }
+
+namespace {
 
 // A model whose refitted parameters are back at the values that they were given with.
 Model as_given(Model model, const std::vector<Unknown>& refitted, const Model& given) {

@@ -56,6 +56,10 @@ struct Prospect {
   std::optional<FewRows> few;  // Looked at, and to be fitted, on these rows alone.
 };
 
+// The model with the effect and its companions at these values; replacements push out what they
+// replace. Companions without values are small.
+Model with_effect(Model model, const Prospect& prospect, const std::vector<double>& values);
+
 // Nothing where the effect cannot be tested (and says why in `reasons`). The companions of its
 // record come with it unless it is wanted `alone`. `near` is the base's own evaluation where there
 // is one: with a small effect more, nuisances hardly move. Where `few` groups are given, these

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -161,31 +162,69 @@ class Looker {
     say({{"event", "preview"}, {"effect", effect}});
   }
 
-  // The list by score, and what each step would leave: long before the fits. Where a prediction is
-  // dear so is a preview, and the fit's own comes soon enough.
+  // The list by score, and what each step would leave: long before the fits.
   void tell_steps() {
-    std::vector<std::optional<StepEnd>> ends(prospects_.size());
-    if (!problem_->screening_groups()) {
-      measurement::parallel_for(prospects_.size(), [&](size_t i) {
-        if (prospects_[i]) ends[i] = end_of_step(*problem_, result_.base, *prospects_[i]);
-      });
-    }
-    order_ = most_promising_first(prospects_, ends);
+    ends_.resize(prospects_.size());
+    const bool dear = problem_->screening_groups().has_value();
+    measurement::parallel_for(prospects_.size(), [&](size_t i) {
+      if (prospects_[i])
+        ends_[i] = (dear ? expected_end : end_of_step)(*problem_, result_.base, *prospects_[i]);
+    });
+    order_ = most_promising_first(prospects_, ends_);
     for (const size_t i : order_) {
-      if (ends[i])
+      if (ends_[i])
         steps_[effects_[i]->name] =
-            prospect_json(*problem_, result_.base, *prospects_[i], *ends[i], prospects_.size());
+            prospect_json(*problem_, result_.base, *prospects_[i], *prospects_[i]->step_to,
+                          *ends_[i], prospects_.size());
     }
     tell_search(/*ended=*/false);
     measurement::parallel_for(order_.size(), [&](size_t k) {
-      const Prospect& prospect = *prospects_[order_[k]];
-      const auto step = steps_.find(prospect.effect->name);
-      if (step == steps_.end()) return;
-      preview("step-", prospect.effect->name, *prospect.step_to,
-              {{"error", step->second["error"]},
-               {"parameters", step->second["parameters"]},
-               {"how", "linear"}});
+      const size_t i = order_[k];
+      if (!ends_[i] || (dear && !goes_as_expected(i))) return;
+      preview_before_fit(step_of(i), *prospects_[i]->step_to, "linear");
     });
+    if (dear) tell_search(/*ended=*/false);
+  }
+
+  json step_of(size_t i) {
+    const std::lock_guard lock(mutex_);
+    return steps_.at(effects_[i]->name);
+  }
+
+  // The error where the step ends replaces the expected one; where there is no gain the candidate
+  // waits for its fit.
+  bool goes_as_expected(size_t i) {
+    const measurement::Score held =
+        problem_->score_held_out(*prospects_[i]->step_to, problem_->scored_groups());
+    const std::lock_guard lock(mutex_);
+    if (!held.valid || !(held.error() < result_.base.assessment.error)) {
+      ends_[i].reset();
+      steps_.erase(effects_[i]->name);
+      return false;
+    }
+    ends_[i]->error = held.error();
+    steps_[effects_[i]->name] =
+        prospect_json(*problem_, result_.base, *prospects_[i], *prospects_[i]->step_to, *ends_[i],
+                      prospects_.size());
+    return true;
+  }
+
+  void preview_before_fit(const json& step, const measurement::Model& model, const char* how) {
+    preview("step-", step["effect"], model,
+            {{"error", step["error"]}, {"parameters", step["parameters"]}, {"how", how}});
+  }
+
+  void see_at_first(size_t i, const std::optional<measurement::FewRows>& few) {
+    const Prospect& prospect = *prospects_[i];
+    const auto seen = first_sight(*problem_, result_.base, prospect, few);
+    if (!seen) return;
+    json step =
+        prospect_json(*problem_, result_.base, prospect, seen->model, seen->end, prospects_.size());
+    preview_before_fit(step, seen->model, "first");
+    const std::lock_guard lock(mutex_);
+    ends_[i] = seen->end;
+    steps_[prospect.effect->name] = std::move(step);
+    tell_search(/*ended=*/false);
   }
 
   void tell_search(bool ended) {
@@ -198,7 +237,21 @@ class Looker {
   void fit_prospects() {
     const Evaluation here =
         problem_->evaluate_held_out(result_.base.assessment.model, problem_->scored_groups());
-    measurement::parallel_for(order_.size(), [&](size_t k) { fit(*prospects_[order_[k]], here); });
+    // The most promising one is fitted while what no step foresees is looked at.
+    std::vector<size_t> first;
+    if (!order_.empty() && ends_[order_.front()]) first.push_back(order_.front());
+    std::vector<std::function<void()>> jobs;
+    for (const size_t i : first) jobs.emplace_back([&, i] { fit(*prospects_[i], here); });
+    const auto few = rows_for_first_sight(*problem_, result_.base.assessment.model);
+    for (const size_t i : order_) {
+      if (!ends_[i] && !problem_->screening_groups())
+        jobs.emplace_back([&, i] { see_at_first(i, few); });
+    }
+    measurement::parallel_for(jobs.size(), [&](size_t k) { jobs[k](); });
+    order_ = most_promising_first(prospects_, ends_);
+    std::vector<size_t> rest = order_;
+    std::erase_if(rest, [&](size_t i) { return std::ranges::find(first, i) != first.end(); });
+    measurement::parallel_for(rest.size(), [&](size_t k) { fit(*prospects_[rest[k]], here); });
   }
 
   void fit(const Prospect& prospect, const Evaluation& here) {
@@ -247,8 +300,10 @@ class Looker {
   measurement::EffectList effects_;
   Prospects prospects_;
   std::mutex mutex_;
-  std::vector<size_t> order_;          // Of prospects, as they are fitted.
-  std::map<std::string, json> steps_;  // By effect, until it is fitted.
+  std::vector<std::optional<StepEnd>> ends_;  // By prospect, of its step or first sight.
+  std::vector<size_t> order_;                 // Of prospects, as they are fitted.
+  std::map<std::string, json> steps_;         // By effect, until it is fitted.
+
   size_t looked_at_ = 0, done_ = 0;
 };
 
