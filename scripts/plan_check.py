@@ -79,7 +79,7 @@ def room(folder):
 
 CASES = {"latency": (room, "frame_latency", "latency_s"), "rows": (room, "rolling_shutter", "line_delay_s"),
          "servo": (servo, "encoder_scale", None), "walk": (walk, "heading_drift", "rad_per_m"),
-         "range": (landmarks, "range_scale", "scale")}
+         "range": (landmarks, "range_scale", "scale"), "noise": (landmarks, "bearing_noise", "sigma_rad")}
 
 
 class Case:

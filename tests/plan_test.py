@@ -13,6 +13,9 @@ import unittest
 import by_hand
 
 SEAM, SOURCE = by_hand.arguments("seam", "source")
+sys.path.insert(0, str(SOURCE / "scripts"))
+import plan_check  # noqa: E402
+
 TUTORIAL = SOURCE / "docs/tutorial"
 NOMINAL = TUTORIAL / "nominal.yaml"
 
@@ -122,8 +125,28 @@ class Plan(unittest.TestCase):
         self.assertGreater(plan["looks"], 10)
         self.assertEqual(plan["changes"], [])
         why = {n["effect"]: n["why"] for n in plan["not_planned"]}
-        self.assertIn("moves no prediction", " ".join(why.values()), text)
+        self.assertIn("errors are not independent", why["point_scatter"], text)
         self.assertEqual(self.effect("rolling_shutter", plan)["smallest_found"], self.effect("rolling_shutter")["smallest_found"])
+
+    def test_a_spread_is_known_as_the_scatter_of_as_many_numbers(self):
+        protocol = self.folder / "circles"
+        protocol.mkdir()
+        model = self.folder / "circles.yaml"
+        model.write_text("format: seam-model/1\nname: made\neffects:\n" + plan_check.landmarks(protocol), encoding="utf-8")
+        code, text = seam("plan", "--model", model, "--protocol", protocol, "--effects", "bearing_noise,range_wander",
+                          "--json", self.folder / "noise.json")
+        self.assertEqual(code, 0, text)
+        plan = json.loads((self.folder / "noise.json").read_text(encoding="utf-8"))
+        noise = self.effect("bearing_noise", plan)
+        more, sigma = noise["smallest_found"]["sigma_rad"], noise["parameters"]["sigma_rad"]["sigma"]
+        # The root of a variance of n normal numbers, less what was known of it; two of three groups are fitted.
+        stated, bearings = 0.01, 12 * 8 * 6
+        fitted = ((stated ** 2 + more ** 2) / (more * sigma)) ** 2 / 2
+        self.assertTrue(0.55 < fitted / bearings < 0.85, text)
+        # Of a gain of likelihood n share^2 the rules ask about ten units and more.
+        share = 0.5 * math.log(1 + (more / stated) ** 2)
+        self.assertTrue(8 < bearings * share ** 2 < 30, text)
+        self.assertEqual([n["effect"] for n in plan["not_planned"]], ["range_wander"], text)
 
     def test_a_board_with_unknown_poses_stands_for_itself(self):
         board = self.folder / "board"

@@ -1,6 +1,8 @@
 #include "measurement/plan/information.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "measurement/fitting/parameter_space.h"
 
@@ -30,6 +32,54 @@ std::vector<double> shift_of(const Evaluation& without, const Evaluation& with) 
   std::vector<double> shift(without.whitened.size(), 0);
   for (size_t i = 0; i < shift.size() && i < with.whitened.size(); ++i)
     shift[i] = without.whitened[i] - with.whitened[i];
+  return shift;
+}
+
+bool errors_are_independent(const Problem& problem, const Evaluation& here) {
+  const Facts& facts = problem.facts();
+  if (!here.mean_square.empty() || here.whitened.size() != facts.scalars() ||
+      here.shared_log_det != 0)
+    return false;
+  std::vector<double> sum(facts.groups.size(), 0);
+  for (size_t i = 0; i < facts.scalars(); ++i) {
+    if (here.used[i]) sum[static_cast<size_t>(facts.group_of(i))] += 2 * std::log(here.sigma[i]);
+  }
+  constexpr double kRounding = 1e-6;
+  for (size_t g = 0; g < sum.size() && g < here.log_det.size(); ++g) {
+    if (!(std::abs(sum[g] - here.log_det[g]) <= kRounding * (1 + std::abs(sum[g])))) return false;
+  }
+  return true;
+}
+
+Columns spread_columns_at(const Problem& problem, const Model& model,
+                          const std::vector<Unknown>& unknowns) {
+  constexpr double kStep = 0.01, kLeastStep = 1e-4;  // Of itself, and of what is typical of it.
+  Columns out{.unknowns = unknowns};
+  const ParameterSpace space(model, unknowns);
+  const VectorXd place = space.place(model);
+  const auto groups = problem.all_groups();
+  for (size_t k = 0; k < unknowns.size(); ++k) {
+    const double z = place[static_cast<Index>(k)];
+    const double step = std::max(kStep * std::abs(z), kLeastStep * space[k].scale);
+    const double low = std::max(z - step, space[k].min), high = std::min(z + step, space[k].max);
+    const auto below = problem.evaluate(space.with(model, k, low), groups);
+    const auto above = problem.evaluate(space.with(model, k, high), groups);
+    std::vector<double>& column = out.by.emplace_back(above.sigma.size(), 0);
+    for (size_t i = 0; i < column.size() && i < below.sigma.size(); ++i) {
+      if (above.used[i] && below.used[i])
+        column[i] = std::numbers::sqrt2 * std::log(above.sigma[i] / below.sigma[i]) / (high - low);
+    }
+    out.slope.push_back(space[k].slope(z));
+  }
+  return out;
+}
+
+std::vector<double> spread_shift_of(const Evaluation& without, const Evaluation& with) {
+  std::vector<double> shift(without.sigma.size(), 0);
+  for (size_t i = 0; i < shift.size() && i < with.sigma.size(); ++i) {
+    if (without.used[i] && with.used[i])
+      shift[i] = std::numbers::sqrt2 * std::log(without.sigma[i] / with.sigma[i]);
+  }
   return shift;
 }
 

@@ -21,8 +21,7 @@ constexpr double kMostScale = 1e4;
 // Parts of a plan without linear columns, in words that follow a name.
 std::string why_not_planned(const Prospect& prospect) {
   const EffectDefinition& effect = *prospect.effect;
-  if (effect.spread_only)
-    return "it changes the spread of errors and moves no prediction: seam study";
+  if (effect.draws_estimated) return "its draws are estimated with it: seam study";
   if (has_counts(effect))
     return "its parameter is a whole number, which is tried and not fitted: seam study";
   if (!effect.has_neutral) return "it replaces another effect: seam study";
@@ -103,10 +102,25 @@ Planner::Planner(Problem& problem, const Model& model, const PlanOptions& option
     Seen& seen = seen_[i];
     if (!seen.why_not.empty()) return;
     const Evaluation there = problem.evaluate(seen.probe, problem.all_groups(), &here_);
-    if (there.valid) seen.columns = columns_at(problem, seen.probe, seen.unknowns, there);
-    if (!there.valid || seen.columns.by.empty() || seen.columns.by.front().empty())
-      seen.why_not = "the model predicts no value for some rows with it";
+    seen.columns = columns_of(seen, seen.probe, there, seen.why_not);
   });
+}
+
+Columns Planner::columns_of(const Seen& seen, const Model& model, const Evaluation& there,
+                            std::string& why) const {
+  Columns columns;
+  if (there.valid && seen.effect->spread_only) {
+    if (!errors_are_independent(problem_, here_) || !errors_are_independent(problem_, there)) {
+      why = "with it errors are not independent of each other: seam study";
+      return columns;
+    }
+    columns = spread_columns_at(problem_, model, seen.unknowns);
+  } else if (there.valid) {
+    columns = columns_at(problem_, model, seen.unknowns, there);
+  }
+  if (columns.by.empty() || columns.by.front().empty())
+    why = "the model predicts no value for some rows with it";
+  return columns;
 }
 
 Planner Planner::repeated(double times) const {
@@ -121,6 +135,8 @@ void Planner::see(const Prospect& prospect) {
             .probe = base_.assessment.model,
             .unknowns = base_.assessment.unknowns,
             .why_not = why_not_planned(prospect)};
+  // Spreads are told by the sizes of residuals, which values of the mean do not change.
+  if (prospect.effect->spread_only) seen.unknowns.clear();
   if (seen.why_not.empty()) {
     seen.probe.add_neutral(prospect.effect);
     for (const size_t i : prospect.free) {
@@ -162,11 +178,16 @@ std::optional<Planner::Moved> Planner::moved(const Seen& seen, size_t parameter,
   coordinate.set(truth, neutral_of(coordinate) + away);
   const Evaluation there = problem_.evaluate(truth, problem_.all_groups(), &here_);
   if (!there.valid) return std::nullopt;
-  const Columns columns = columns_at(problem_, truth, seen.unknowns, there);
-  Moved out{.shift = shift_of(here_, there)};
+  std::string why;
+  const Columns columns = columns_of(seen, truth, there, why);
+  if (!why.empty()) return std::nullopt;
+  const bool spread = seen.effect->spread_only;
+  Moved out{.shift = spread ? spread_shift_of(here_, there) : shift_of(here_, there)};
   out.look = look_of(problem_, there, columns, out.shift, base_columns(seen), repeats_);
   out.look.looks = looks_ * problem_.looks(base_.assessment.model, *seen.effect);
   out.look.material = options_.material;
+  // What counts of a spread is the share by which standard deviations change.
+  for (auto& movement : out.look.movement) movement *= spread ? 0.5 : 1;
   const size_t k = *index_of(seen.unknowns, {name, parameter});
   out.sigma = error_of_value(coordinate, columns.slope[k], standard_errors(out.look)[k]);
   return out;
@@ -217,7 +238,9 @@ std::vector<PlannedTie> Planner::ties_of(const Seen& seen, const Sized& sized) c
   if (sized.shift.empty()) return ties;
   PairGains pair{.truth = {sized.gain, seen.free.size()}, .other = {}};
   for (const Seen& other : seen_) {
-    if (&other == &seen || !other.why_not.empty()) continue;
+    if (&other == &seen || !other.why_not.empty() ||
+        other.effect->spread_only != seen.effect->spread_only)
+      continue;
     pair.other = {gain_beside(other, sized.shift), other.free.size()};
     const double p_value =
         chi2_tail(2 * pair.other.total_ll, static_cast<double>(other.free.size())) * looks_;
@@ -235,6 +258,7 @@ std::vector<PlannedTie> Planner::ties_of(const Seen& seen, const Sized& sized) c
 PairGains Planner::gains(const std::string& effect, double size, const std::string& other) const {
   const Seen& true_one = seen(effect);
   const Seen& other_one = seen(other);
+  const bool alike = true_one.effect->spread_only == other_one.effect->spread_only;
   const size_t parameter = true_one.free.front();
   const Coordinate coordinate(true_one.probe, {effect, parameter});
   const double neutral = neutral_of(coordinate);
@@ -243,7 +267,7 @@ PairGains Planner::gains(const std::string& effect, double size, const std::stri
   const auto there = moved(true_one, parameter, to);
   if (!there) return {};
   return {.truth = {gain_of(there->look.whole(), base_columns(true_one)), true_one.free.size()},
-          .other = {gain_beside(other_one, there->shift), other_one.free.size()}};
+          .other = {alike ? gain_beside(other_one, there->shift) : 0, other_one.free.size()}};
 }
 
 PlannedEffect Planner::of_model(const std::string& effect) const {

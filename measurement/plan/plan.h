@@ -70,7 +70,7 @@ class Planner {
     std::shared_ptr<const EffectDefinition> effect;
     std::vector<size_t> free;
     Model probe;
-    std::vector<Unknown> unknowns;  // Those of the base first.
+    std::vector<Unknown> unknowns;  // Those of the base first; of a spread its own alone.
     Columns columns;
     std::string why_not;  // No plan is made of it because.
   };
@@ -82,6 +82,10 @@ class Planner {
   };
 
   void see(const Prospect& prospect);
+  // What the effect's parameters move around this model, `there`; says `why` where that is not
+  // known.
+  Columns columns_of(const Seen& seen, const Model& model, const Evaluation& there,
+                     std::string& why) const;
   const Seen& seen(const std::string& name) const;  // Throws where no plan is made of it.
   const Seen* find(const std::string& name) const;
   std::string why_not(const std::string& name) const;

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <optional>
 
+#include "effects/questions.h"
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/report/finite_or_null.h"
 #include "measurement/report/report_data.h"
@@ -76,7 +77,6 @@ class Looker {
     compare();
     tell_set();
     see_prospects();
-    tell_steps();
     fit_prospects();
     tell_search(/*ended=*/true);
   }
@@ -130,26 +130,40 @@ class Looker {
     say({{"event", "set"}});
   }
 
+  // Effects that others come with are seen last: their linearisation is dear, and the list of the
+  // others need not wait for it.
   void see_prospects() {
-    const Grown& base = result_.base;
-    effects_ = absent_effects(*problem_, base.assessment.model, {});
+    effects_ = absent_effects(*problem_, result_.base.assessment.model, {});
     prospects_.resize(effects_.size());
-    std::vector<std::vector<measurement::NotTestable>> reasons(effects_.size());
-    const auto near = start_of_prospects(*problem_, base.assessment.model);
-    measurement::parallel_for(effects_.size(), [&](size_t i) {
-      prospects_[i] = prospect_of(*problem_, base, effects_[i], reasons[i], /*alone=*/false,
-                                  near ? &*near : nullptr);
+    ends_.resize(effects_.size());
+    std::vector<size_t> alone, accompanied;
+    for (size_t i = 0; i < effects_.size(); ++i) {
+      const bool is_alone =
+          effects::companions_of(*effects_[i], result_.base.assessment.model).empty();
+      (is_alone ? alone : accompanied).push_back(i);
+    }
+    const auto near = start_of_prospects(*problem_, result_.base.assessment.model);
+    for (const auto* part : {&alone, &accompanied}) {
+      if (part->empty()) continue;
+      see(*part, near);
+      tell_steps(*part);
+    }
+  }
+
+  void see(const std::vector<size_t>& part, const std::optional<Evaluation>& near) {
+    std::vector<std::vector<measurement::NotTestable>> reasons(part.size());
+    measurement::parallel_for(part.size(), [&](size_t k) {
+      prospects_[part[k]] = prospect_of(*problem_, result_.base, effects_[part[k]], reasons[k],
+                                        /*alone=*/false, near ? &*near : nullptr);
       const std::lock_guard lock(mutex_);
       say({{"event", "progress"},
            {"what", "effects looked at"},
            {"done", ++looked_at_},
            {"of", effects_.size()}});
     });
-    for (size_t i = 0; i < effects_.size(); ++i) {
-      auto& list = result_.first.not_testable;
-      list.insert(list.end(), reasons[i].begin(), reasons[i].end());
-      result_.first.tried += prospects_[i].has_value();
-    }
+    auto& list = result_.first.not_testable;
+    for (const auto& some : reasons) list.insert(list.end(), some.begin(), some.end());
+    for (const size_t i : part) result_.first.tried += prospects_[i].has_value();
   }
 
   void preview(const std::string& how, const std::string& effect, const measurement::Model& model,
@@ -163,24 +177,26 @@ class Looker {
   }
 
   // The list by score, and what each step would leave: long before the fits.
-  void tell_steps() {
-    ends_.resize(prospects_.size());
+  void tell_steps(const std::vector<size_t>& part) {
     const bool dear = problem_->screening_groups().has_value();
-    measurement::parallel_for(prospects_.size(), [&](size_t i) {
+    measurement::parallel_for(part.size(), [&](size_t k) {
+      const size_t i = part[k];
       if (prospects_[i])
         ends_[i] = (dear ? expected_end : end_of_step)(*problem_, result_.base, *prospects_[i]);
     });
     order_ = most_promising_first(prospects_, ends_);
+    std::vector<size_t> fresh;
     for (const size_t i : order_) {
-      if (ends_[i])
-        steps_[effects_[i]->name] =
-            prospect_json(*problem_, result_.base, *prospects_[i], *prospects_[i]->step_to,
-                          *ends_[i], prospects_.size());
+      if (!ends_[i] || steps_.contains(effects_[i]->name)) continue;
+      fresh.push_back(i);
+      steps_[effects_[i]->name] =
+          prospect_json(*problem_, result_.base, *prospects_[i], *prospects_[i]->step_to, *ends_[i],
+                        effects_.size());
     }
     tell_search(/*ended=*/false);
-    measurement::parallel_for(order_.size(), [&](size_t k) {
-      const size_t i = order_[k];
-      if (!ends_[i] || (dear && !goes_as_expected(i))) return;
+    measurement::parallel_for(fresh.size(), [&](size_t k) {
+      const size_t i = fresh[k];
+      if (dear && !goes_as_expected(i)) return;
       preview_before_fit(step_of(i), *prospects_[i]->step_to, "linear");
     });
     if (dear) tell_search(/*ended=*/false);
