@@ -5,7 +5,7 @@ import numpy as np
 
 import outside
 from draws import Draw
-from servos import commands, joints_set, with_gross
+from servos import Swing, commands, joints_set, with_gross
 from sets import Free, TRACE_SIZE, rows
 
 STEP_S = 0.01
@@ -33,6 +33,7 @@ class Joint:
         self.weaker = effects.get("motor_heating", {}).get("per_k", 0)
         self.time = self.warmer = 0.0
         self.effects = effects
+        self.swing = None  # What hangs on the motor elastically.
 
     def pull(self, q, w, error, enabled):
         """Drive less load, and the dry friction that acts against the motion."""
@@ -65,6 +66,9 @@ class Joint:
             if w == 0:
                 net, friction = self.pull(q, 0.0, kp * (command - q), enabled)
                 if self.unlike - friction <= net <= self.unlike + friction:
+                    if self.swing:
+                        for _ in range(10):
+                            self.swing.follow(q, q, left / 10)
                     return q, 0.0
                 sign = math.copysign(1.0, net - self.unlike)
             else:
@@ -78,6 +82,8 @@ class Joint:
                     low, high = (middle, high) if moves_on else (low, middle)
                 h = max(high, 1e-12)
                 next_q, next_w = self.step(q, w, command, kp, enabled, low, sign)[0], 0.0
+            if self.swing:
+                self.swing.follow(q, next_q, h)
             q, w = next_q, next_w
             left -= h
         return q, w
@@ -90,6 +96,8 @@ def moved(effects, command, kp, enabled, warmer):
     events = sorted([(round(k * STEP_S, 9), 0, k) for k in range(len(command))]
                     + [(round(k * STEP_S + late, 9), 2, k) for k in range(len(command))])
     gain, on = kp, enabled[0]
+    if "elastic_joint" in effects:
+        joint.swing = Swing(effects["elastic_joint"], q)
     for time, what, k in events:
         if active is not None and time > now:
             joint.time, joint.warmer = now, warmer[row]
@@ -97,7 +105,7 @@ def moved(effects, command, kp, enabled, warmer):
         now = time
         if what == 0:
             row = k
-            angles.append(q)
+            angles.append(joint.swing.q if joint.swing else q)
         elif what == 2:
             active, on = command[k], enabled[k]  # The switch is part of the command, and as late.
     return np.array(angles)
@@ -124,6 +132,7 @@ def draw_effect(draw, name, motor, typical):
             "cogging": lambda: {"rad_per_s2": typical * draw.uniform(0.15, 0.3), "a_turn": draw.choice((12, 16, 20))},
             "friction_asymmetry": lambda: {"rad_per_s2": typical * draw.signed(0.03, 0.1)},
             "motor_heating": lambda: {"per_k": draw.uniform(0.003, 0.006)},
+            "elastic_joint": lambda: {"period_s": draw.log_uniform(0.03, 0.25), "damping": draw.uniform(0.02, 0.25)},
             "warming motor": lambda: {"per_s": draw.uniform(0.1, 0.2)}}.get(
                 name, lambda: outside.draw_of_motor(draw, name, typical))()
 

@@ -54,8 +54,52 @@ def settled(q, command, dt, lag, limit, band):
     return command - left * math.exp(-dt / lag)
 
 
+class Swing:
+    """A load that hangs on the drive by a spring and a damper, by Runge and Kutta's steps of fourth order."""
+
+    def __init__(self, effect, at):
+        self.rate, self.damping = 2 * math.pi / effect["period_s"], effect["damping"]
+        self.q, self.w = at, 0.0
+
+    def follow(self, start, end, h):
+        """While the drive goes evenly."""
+        speed = (end - start) / h
+
+        def pull(t, q, w):
+            return self.rate ** 2 * (start + speed * t - q) + 2 * self.damping * self.rate * (speed - w)
+        q, w = self.q, self.w
+        a1 = pull(0, q, w)
+        a2 = pull(h / 2, q + h / 2 * w, w + h / 2 * a1)
+        a3 = pull(h / 2, q + h / 2 * (w + h / 2 * a1), w + h / 2 * a2)
+        a4 = pull(h, q + h * (w + h / 2 * a2), w + h * a3)
+        self.q, self.w = q + h * w + h * h / 6 * (a1 + a2 + a3), w + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+
+    def jump(self, by):
+        """The drive is elsewhere at once; the damper passes that on."""
+        self.w += 2 * self.damping * self.rate * by
+
+
+def swung(effects, command, inner_s=2.5e-4):
+    """Angles at the rows of a load that swings behind the drive."""
+    lag = effects.get("servo_lag", {}).get("tau_s", 0)
+    limit = effects.get("speed_limit", {}).get("rad_per_s", math.inf)
+    q, load, angles = command[0], Swing(effects["elastic_joint"], command[0]), []
+    for asked in command:
+        angles.append(load.q)
+        at_once = settled(q, asked, 0.0, lag, limit, 0)
+        load.jump(at_once - q)
+        q = at_once
+        for _ in range(round(STEP_S / inner_s)):
+            after = settled(q, asked, inner_s, lag, limit, 0)
+            load.follow(q, after, inner_s)
+            q = after
+    return np.array(angles)
+
+
 def moved(effects, command):
     """Angles at the rows, of the joint itself, each just before its row's command acts."""
+    if "elastic_joint" in effects:
+        return swung(effects, command)
     lag = effects.get("servo_lag", {}).get("tau_s", 0)
     limit = effects.get("speed_limit", {}).get("rad_per_s", math.inf)
     band = effects.get("stiction", {}).get("dead_band_rad", 0)
@@ -104,6 +148,7 @@ def draw_effect(draw, name, noise, wide=False):
             "gear_ripple": lambda: {"amplitude_rad": draw.uniform(*((1, 10) if wide else (4, 10))) * noise,
                                     "per_turn": draw.log_uniform(4, 100) if wide else draw.choice((6, 8, 10)),
                                     "phase_rad": draw.uniform(-3, 3)},
+            "elastic_joint": lambda: {"period_s": draw.log_uniform(0.03, 0.25), "damping": draw.uniform(0.02, 0.25)},
             "slow drift": lambda: {"rad_per_s": draw.signed(6, 15) * noise / (LENGTH * STEP_S)}}.get(
                 name, lambda: outside.draw_of_servo(draw, name, noise))()
 
@@ -134,6 +179,10 @@ def servos(plan):
     runs, noise = draw.choice((5, 6)), NOISE_RAD * draw.uniform(0.5, 2)
     command = (tied_commands if plan.course == "tie" else commands)(draw.of("commands"), runs)
     nominal = {"ideal_servo": {}}
+    if plan.cause == "elastic_joint":
+        drive = draw.of("drive")
+        rule = drive.choice(("", "servo_lag", "speed_limit"))
+        nominal |= {rule: draw_effect(drive, rule, noise)} if rule else {}
     if plan.course == "tie":
         # A servo of known speed ends a dead band before its command, as play does.
         names, nominal = ["stiction"], nominal | {"speed_limit": {"rad_per_s": 25.0}}

@@ -31,6 +31,7 @@
   X(speed_limit)              \
   X(acceleration_limit)       \
   X(stiction)                 \
+  X(elastic_joint)            \
   X(gear_ripple)              \
   X(gravity_sag)              \
   X(encoder_eccentricity)     \

@@ -74,6 +74,24 @@ def rolled(legs, left=lambda w, v, omega: w, right=lambda w, v, omega: w):
     return walked(None, legs, body)
 
 
+def elastic(p, drive, rate, at_s, steps=40000):
+    """A load on a spring behind a drive whose angle and rate are functions of time, in small steps."""
+    omega = 2 * math.pi / p[0]
+    def acceleration(t, q, w):
+        return omega ** 2 * (drive(t) - q) + 2 * p[1] * omega * (rate(t) - w)
+    q = w = 0.0
+    h = at_s / steps
+    for k in range(steps):
+        t = k * h
+        a1 = acceleration(t, q, w)
+        a2 = acceleration(t + h / 2, q + h / 2 * w, w + h / 2 * a1)
+        a3 = acceleration(t + h / 2, q + h / 2 * (w + h / 2 * a1), w + h / 2 * a2)
+        a4 = acceleration(t + h, q + h * (w + h / 2 * a2), w + h * a3)
+        q += h * w + h * h / 6 * (a1 + a2 + a3)
+        w += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+    return q
+
+
 def swung(at_s, stall=200, back_emf=10, gain=0.5, damping=0, most=1, limit=math.inf, gravity=0, level=0, viscous=0,
           coulomb=0, stribeck=0, slow=1, load=0, pull=0, command=1, steps=40000):
     """A motor's joint from rest at 0, in small steps of Runge and Kutta; where it does not come to rest on its way."""
@@ -204,6 +222,11 @@ PROOFS = [
     ("stiction", [0.02], STEP + [("limit_radps", 2), ("at_s", 0.3)], {"joint_rad": "2 * at_s"}),
     ("gear_ripple", [0.002, 40, 0.5], BACK + [("at_s", 0.05)], {"joint_rad": "0.5 + p[0] * math.sin(20.5)"}),
     ("gear_ripple", [0.01, 7.5, -1], BACK + [("at_s", 0.2)], {"joint_rad": "0.2 + p[0] * math.sin(0.5)"}),
+    ("elastic_joint", [0.25, 0.2], STEP + [("at_s", 0.1)],
+     {"joint_rad": "1 - math.exp(-p[1] * 8 * math.pi * at_s) * (math.cos(8 * math.pi * math.sqrt(1 - p[1]**2) * at_s) - "
+                   "p[1] / math.sqrt(1 - p[1]**2) * math.sin(8 * math.pi * math.sqrt(1 - p[1]**2) * at_s))"}),
+    ("elastic_joint", [0.1, 0.05], STEP + [("limit_radps", 2), ("at_s", 0.17)],
+     {"joint_rad": "elastic(p, lambda t: 2 * t, lambda t: 2, at_s)"}, SMALL_STEPS),
     ("gravity_sag", [0.02, 0], BACK + [("at_s", 0.05)], {"joint_rad": "0.5 - p[0] * math.cos(0.5)"}),
     ("gravity_sag", [0.1, 0.3], BACK + [("at_s", 0.2)], {"joint_rad": "0.2 - p[0] * math.cos(0.2 - p[1])"}),
     # Joints: from an encoder's log.
@@ -530,7 +553,7 @@ def proof_of(effect, values, given, expected, tolerance=None):
     names = {name: value for name, value in given}
     names.update(p=values, math=math, root=root, play=play, turned=turned, walked=walked, fisheye=fisheye, slid=slid,
                  tangential=tangential, rational=rational, swung=swung, sprung=sprung, beside=beside,
-                 rolled=rolled)
+                 rolled=rolled, elastic=elastic)
     found = {name: eval(text, dict(names)) for name, text in expected.items()}
     pairs = lambda items: "{" + ", ".join(f'{{"{name}", {number(value)}}}' for name, value in items) + "}"
     text = f"{{.values = {{{', '.join(number(v) for v in values)}}}"

@@ -15,6 +15,7 @@ HIDDEN = {
     "landmark_height": ("landmarks", "{landmark_height: {z_m: 0.5}}"),
     "mount_sag": ("points", "{mount_sag: {tilt_rad: 0.03}}"),
     "focal_drift": ("points", "{focal_drift: {per_s: 0.004}}"),
+    "elastic_joint": ("joints", "{elastic_joint: {period_s: 0.11, damping: 0.1}}"),
     "gear_ripple": ("joints", "{gear_ripple: {amplitude_rad: 0.002, per_turn: 37.3, phase_rad: 0.5}}"),
 }
 

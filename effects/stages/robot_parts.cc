@@ -30,6 +30,8 @@ struct Piece {
   ServoState state;
   // Of a motor: its controller is given a setpoint that goes to the command at this speed.
   bool is_motor = false;
+  // Of an elastic joint, too, the state is had by steps.
+  bool is_elastic = false;
   double setpoint_rad = 0;  // Where that was when the command began to act.
   SimTime since;            // The tick of the state.
 
@@ -55,23 +57,40 @@ struct Piece {
     visitor.field("setpoint_rad", setpoint_rad);
     visitor.field("since", since);
   }
+  void visit_elastic(StateVisitor& visitor) {
+    is_elastic = true;
+    visitor.field("elastic_rad", state.elastic.q_rad);
+    visitor.field("elastic_radps", state.elastic.w_radps);
+    if (!is_motor) visitor.field("since", since);
+  }
+  bool by_ticks() const { return is_motor || is_elastic; }
 };
+
+// The servo under a command of this speed.
+ServoModel under(const ServoModel& servo, const Piece& piece) {
+  ServoModel limited = servo;
+  limited.rad_per_s = std::min(limited.rad_per_s, piece.speed_radps);
+  return limited;
+}
 
 // Moves the piece's state to `time`, no further than the piece's next tick is.
 void advance_to(const ServoModel& servo, const Piece& piece, SimTime from, SimTime time,
                 ServoState& state) {
+  if (!piece.is_motor)
+    return advance_joint(under(servo, piece), {.command_rad = piece.command_rad}, (time - from).s(),
+                         state);
   const auto [setpoint_rad, radps] = piece.setpoint(from);
   MotorInput input{.command_rad = setpoint_rad, .command_radps = radps};
   double left_s = (time - from).s();
   if (radps != 0) {
     const double arrives_s = (piece.command_rad - setpoint_rad) / radps;
     if (arrives_s < left_s) {
-      advance_servo(servo, input, arrives_s, state);
+      advance_joint(servo, input, arrives_s, state);
       left_s -= arrives_s;
       input = {.command_rad = piece.command_rad};
     }
   }
-  advance_servo(servo, input, left_s, state);
+  advance_joint(servo, input, left_s, state);
 }
 
 class ServoActuator final : public JointActuator {
@@ -87,6 +106,7 @@ class ServoActuator final : public JointActuator {
                        .rests = true,
                        .state = servo_at_rest(servo_, initial_rad),
                        .is_motor = servo_.torque.present,
+                       .is_elastic = servo_.elastic.present(),
                        .setpoint_rad = initial_rad,
                        .since = always});
   }
@@ -100,6 +120,7 @@ class ServoActuator final : public JointActuator {
                        .speed_radps = max_speed_radps,
                        .state = state_at(acts),
                        .is_motor = servo_.torque.present,
+                       .is_elastic = servo_.elastic.present(),
                        .setpoint_rad = piece_at(acts).setpoint(acts).first,
                        .since = acts});
   }
@@ -135,7 +156,7 @@ class ServoActuator final : public JointActuator {
     while (keep + 1 < pieces_.size() && pieces_[keep + 1].acts <= time) ++keep;
     pieces_.erase(pieces_.begin(), pieces_.begin() + static_cast<std::ptrdiff_t>(keep));
     Piece& oldest = pieces_.front();
-    if (!oldest.is_motor || oldest.rests) return;
+    if (!oldest.by_ticks() || oldest.rests) return;
     while (oldest.since + kMotorTick <= time) {
       advance_to(servo_, oldest, oldest.since, oldest.since + kMotorTick, oldest.state);
       oldest.since = oldest.since + kMotorTick;
@@ -146,6 +167,9 @@ class ServoActuator final : public JointActuator {
     visitor.list("pieces", pieces_);
     if (servo_.torque.present) {
       for (Piece& piece : pieces_) piece.visit_motor(visitor);
+    }
+    if (servo_.elastic.present()) {
+      for (Piece& piece : pieces_) piece.visit_elastic(visitor);
     }
     if (pieces_.empty()) throw InputError("snapshot: a joint without motion");
   }
@@ -160,7 +184,7 @@ class ServoActuator final : public JointActuator {
     const Piece& piece = piece_at(time);
     ServoState state = piece.state;
     if (piece.rests) return state;
-    if (piece.is_motor) {
+    if (piece.by_ticks()) {
       SimTime from = piece.since;
       while (from < time) {
         const SimTime to = std::min(from + kMotorTick, time);
@@ -169,9 +193,7 @@ class ServoActuator final : public JointActuator {
       }
       return state;
     }
-    ServoModel servo = servo_;
-    servo.rad_per_s = std::min(servo.rad_per_s, piece.speed_radps);
-    advance_servo(servo, piece.command_rad, (time - piece.acts).s(), state);
+    advance_servo(under(servo_, piece), piece.command_rad, (time - piece.acts).s(), state);
     return state;
   }
 

@@ -222,7 +222,7 @@ ServoState servo_at_rest(const ServoModel& servo, double joint_rad) {
     q -= miss / slope;
     if (std::abs(miss) < 1e-15) break;
   }
-  return {.motor_rad = q, .motor_radps = 0, .load_rad = q};
+  return {.motor_rad = q, .motor_radps = 0, .load_rad = q, .elastic = {.q_rad = q}};
 }
 
 void advance_servo(const ServoModel& servo, double command_rad, double dt_s, ServoState& state) {
@@ -248,8 +248,62 @@ void advance_servo(const ServoModel& servo, MotorInput input, double dt_s, Servo
   }
 }
 
+namespace {
+
+// Moves the drive alone.
+void advance_drive(const ServoModel& servo, const MotorInput& input, double dt_s,
+                   ServoState& state) {
+  if (servo.torque.present)
+    advance_servo(servo, input, dt_s, state);
+  else
+    advance_servo(servo, input.command_rad, dt_s, state);
+}
+
+// Over so long at most the way of the drive is a cubic: a motor's angle and rate change smoothly
+// (at 30 rad/s the cubic errs by 1e-6 of them); rules of kinematics and play have edges, and a
+// straight way over a 200th of the swing errs by less than 1e-4 of it.
+double step_behind(const ServoModel& servo) {
+  constexpr double kMotor_s = 5e-3, kLeast_s = 1e-4, kOfSwing = 1.0 / 200;
+  if (servo.torque.present && servo.backlash_rad == 0) return kMotor_s;
+  return std::max(kLeast_s, kOfSwing * servo.elastic.period_s);
+}
+
+}  // namespace
+
+void advance_joint(const ServoModel& servo, const MotorInput& input, double dt_s,
+                   ServoState& state) {
+  if (!servo.elastic.present()) return advance_drive(servo, input, dt_s, state);
+  if (!(dt_s > 0)) return;
+  const bool motor = servo.torque.present;
+  if (!motor) {
+    // What jumps to its command does so at once.
+    constexpr double kAtOnce_s = 1e-12;
+    const double begun_rad = state.load_rad;
+    advance_drive(servo, input, kAtOnce_s, state);
+    follow_jump(servo.elastic, state.load_rad - begun_rad, state.elastic);
+  }
+  // A drive that is there stays: one step, however long.
+  const bool stands = !motor && state.motor_rad == input.command_rad;
+  const int steps =
+      stands ? 1 : std::max(1, static_cast<int>(std::ceil(dt_s / step_behind(servo))));
+  const double step_s = dt_s / steps;
+  const SwingingLoad load(servo.elastic, step_s);
+  const bool smooth = motor && servo.backlash_rad == 0;
+  MotorInput now = input;
+  for (int k = 0; k < steps; ++k) {
+    const DriveState before{state.load_rad, state.motor_radps};
+    now.command_rad = input.command_rad + input.command_radps * step_s * k;
+    advance_drive(servo, now, step_s, state);
+    if (smooth)
+      load.follow(before, {state.load_rad, state.motor_radps}, state.elastic);
+    else
+      load.follow(before.q_rad, state.load_rad, state.elastic);
+  }
+}
+
 double joint_angle(const ServoModel& servo, const ServoState& state) {
-  const double q = state.load_rad + servo.ripple.at(state.load_rad);
+  const double behind = servo.elastic.present() ? state.elastic.q_rad : state.load_rad;
+  const double q = behind + servo.ripple.at(behind);
   return servo.sag_rad == 0 ? q : q - servo.sag_rad * maths::cos(q - servo.level_rad);
 }
 
@@ -267,21 +321,26 @@ void Servo::command(double t_s, double command_rad, bool enabled, double kp) {
 }
 
 void Servo::begin_moving(double radps, double command_rad, bool enabled, double kp) {
-  state_.motor_radps = radps;
+  state_.motor_radps = state_.elastic.w_radps = radps;
   begun_ = true;
   input_.command_rad = command_rad, input_.enabled = enabled, input_.kp = kp;
+}
+
+// No command acts: the drive stays where it is, and what hangs on it elastically swings on.
+void Servo::rest(double dt_s) {
+  state_.motor_radps = 0;
+  if (begun_ && model_.elastic.present())
+    SwingingLoad(model_.elastic, dt_s).follow(state_.load_rad, state_.load_rad, state_.elastic);
 }
 
 void Servo::advance_to(double t_s) {
   while (true) {
     const bool more = next_ < queue_.size() && queue_[next_].acts_s < t_s - kSameTime_s;
     const double until = more ? std::max(queue_[next_].acts_s, now_s_) : t_s;
-    if (begun_ && model_.torque.present)
-      advance_servo(model_, input_, until - now_s_, state_);
-    else if (begun_ && input_.enabled)
-      advance_servo(model_, input_.command_rad, until - now_s_, state_);
+    if (begun_ && (model_.torque.present || input_.enabled))
+      advance_joint(model_, input_, until - now_s_, state_);
     else
-      state_.motor_radps = 0;
+      rest(until - now_s_);
     now_s_ = std::max(now_s_, until);
     if (!more) return;
     begun_ = true;

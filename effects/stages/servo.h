@@ -1,8 +1,8 @@
 // Stage `joint`, from commands: how a servo moves its joint. The order is that of the definitions:
 // latency, servo (lag, speed and acceleration limits, stiction, or a motor with torque: torque.h),
-// backlash, ripple, sag, formulas, in a log the encoder. Without torque, between changes of the
-// command the motion has a closed form, so the same solution predicts a log's rows and moves the
-// simulator's joints in continuous time.
+// backlash, elasticity (elastic.h), ripple, sag, formulas, in a log the encoder. Without torque,
+// between changes of the command the motion has a closed form, so the same solution predicts a
+// log's rows and moves the simulator's joints in continuous time.
 #pragma once
 
 #include <limits>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "effects/model.h"
+#include "effects/stages/torque/elastic.h"
 #include "effects/stages/torque/torque.h"
 
 namespace seam::effects {
@@ -34,8 +35,9 @@ struct ServoModel {
   double backlash_rad = 0;   // Play between motor and load.
   double sag_rad = 0;        // The load hangs by sag * cos(q - level).
   double level_rad = 0;
-  GearRipple ripple;   // Before the load sags.
-  TorqueModel torque;  // Where present it moves the motor instead of the rules above.
+  GearRipple ripple;     // Before the load sags.
+  ElasticJoint elastic;  // Behind the play, before ripple and sag.
+  TorqueModel torque;    // Where present it moves the motor instead of the rules above.
   // Joint formulas (expression effects), in order: their result replaces the angle.
   std::vector<ModelEffect> formulas;
 };
@@ -47,7 +49,8 @@ ServoModel servo_of(const Model& model);
 struct ServoState {
   double motor_rad = 0;
   double motor_radps = 0;
-  double load_rad = 0;  // Behind the play, before sag.
+  double load_rad = 0;   // Behind the play, before what is elastic, and sag.
+  ElasticState elastic;  // The load's, where it hangs on a spring.
 };
 
 // At rest with the joint (behind backlash and sag) at this angle, the play centred.
@@ -59,7 +62,12 @@ void advance_servo(const ServoModel& servo, MotorInput input, double dt_s, Servo
 // Moves one without for `dt_s` under a command that holds. Exact: a sequence of closed-form pieces.
 void advance_servo(const ServoModel& servo, double command_rad, double dt_s, ServoState& state);
 
-// The joint's angle: behind backlash, ripple and sag, before formulas.
+// Moves either, and the load that hangs on it elastically, for `dt_s`; of `input` rules of
+// kinematics see the command alone.
+void advance_joint(const ServoModel& servo, const MotorInput& input, double dt_s,
+                   ServoState& state);
+
+// The joint's angle: behind backlash, elasticity, ripple and sag, before formulas.
 double joint_angle(const ServoModel& servo, const ServoState& state);
 
 // The load of a play of this width that follows a motor moving monotonically to `motor_rad`.
@@ -94,6 +102,8 @@ class Servo {
   const ServoModel& model() const { return model_; }
 
  private:
+  void rest(double dt_s);
+
   struct Pending {
     double acts_s;
     double command_rad;

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <unordered_map>
 
 #include "effects/stages/servo.h"
@@ -80,27 +81,38 @@ std::vector<char> read_enabled(const CsvTable& table) {
   return enabled;
 }
 
-// The rate at the log's first row where its first rows cannot be those of a joint at rest that
-// something begins to accelerate; else 0. Each angle may be off by half of the encoder's step.
-double rate_at_start(const JointLog& log, double step_rad) {
+// A cubic through a log's first rows.
+struct FirstRows {
+  double radps = 0;               // At the first of them.
+  double variance = 0;            // Of what they miss it by.
+  double radps2_of_variance = 0;  // The rate's own variance, in units of that.
+};
+
+std::optional<FirstRows> first_rows(const JointLog& log) {
   constexpr size_t kRows = 8;
-  constexpr double kClearly = 8;  // Standard errors.
-  const size_t n = std::min(kRows, log.time_s.size());
-  if (n < kRows) return 0;
-  Eigen::MatrixXd powers(n, 4);
-  Eigen::VectorXd angles(n);
-  const double span = log.time_s[n - 1];
-  for (size_t k = 0; k < n; ++k) {
+  if (log.time_s.size() < kRows) return std::nullopt;
+  Eigen::MatrixXd powers(kRows, 4);
+  Eigen::VectorXd angles(kRows);
+  const double span = log.time_s[kRows - 1];
+  for (size_t k = 0; k < kRows; ++k) {
     const double t = log.time_s[k] / span;
     powers.row(static_cast<Eigen::Index>(k)) << 1, t, t * t, t * t * t;
     angles[static_cast<Eigen::Index>(k)] = log.measured_rad[k];
   }
   const Eigen::MatrixXd inverse = inverse_of(powers.transpose() * powers);
   const Eigen::VectorXd c = inverse * powers.transpose() * angles;
-  const double variance = std::max((powers * c - angles).squaredNorm() / static_cast<double>(n - 4),
-                                   step_rad * step_rad / 12);
-  const double rate = c[1] / span, error = std::sqrt(variance * inverse(1, 1)) / span;
-  if (std::abs(rate) < kClearly * error) return 0;
+  return FirstRows{.radps = c[1] / span,
+                   .variance = (powers * c - angles).squaredNorm() / (kRows - 4.0),
+                   .radps2_of_variance = inverse(1, 1) / (span * span)};
+}
+
+// The rate at the log's first row where its first rows cannot be those of a joint at rest that
+// something begins to accelerate; else 0. Each angle may be off by half of the encoder's step.
+double rate_at_start(const JointLog& log, const FirstRows& seen, double step_rad) {
+  constexpr double kClearly = 8;  // Standard errors.
+  const double rate = seen.radps;
+  const double variance = std::max(seen.variance, step_rad * step_rad / 12);
+  if (std::abs(rate) < kClearly * std::sqrt(variance * seen.radps2_of_variance)) return 0;
   // A joint in motion moves in the first step, too, and half as far as in the first two. Noise
   // alone looks so in one of them at times, hardly in both.
   const double first = log.measured_rad[1] - log.measured_rad[0];
@@ -109,6 +121,23 @@ double rate_at_start(const JointLog& log, double step_rad) {
                      both * rate > 0.5 * rate * rate * log.time_s[2] &&
                      std::abs(first) - step_rad > 0.35 * (std::abs(both) - step_rad);
   return moves ? rate : 0;
+}
+
+// Eight rows may lie on a curve by luck, those of half of the logs hardly: no log's scatter counts
+// as less than that of the middle one.
+void look_at_starts(JointLogs& set) {
+  const double step_rad = step_of_angles(set);
+  std::vector<double> variances;
+  for (const JointLog& log : set.logs) {
+    if (const auto seen = first_rows(log)) variances.push_back(seen->variance);
+  }
+  const double middle = variances.empty() ? 0 : median_of(variances);
+  for (JointLog& log : set.logs) {
+    auto seen = first_rows(log);
+    if (!seen) continue;
+    seen->variance = std::max(seen->variance, middle);
+    log.start_radps = rate_at_start(log, *seen, step_rad);
+  }
 }
 
 // The joint's angle as its encoder logs it: catalogue encoders, in reverse order of composition.
@@ -210,10 +239,7 @@ JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column
     log.warmer_k.push_back(warmth[row]);
     for (size_t c = 0; c < columns.size(); ++c) log.columns[c].push_back(columns[c][row]);
   }
-  if (measured) {
-    const double step_rad = step_of_angles(set);
-    for (JointLog& log : set.logs) log.start_radps = rate_at_start(log, step_rad);
-  }
+  if (measured) look_at_starts(set);
   return set;
 }
 

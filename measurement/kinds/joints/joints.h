@@ -117,6 +117,10 @@ class JointsProblem : public Problem {
   // The strongest wave of residuals over the joint's angle: amplitude, waves in a turn, phase.
   std::vector<double> wave_over_angle(const Model& model, const effects::Parameter& per_turn,
                                       const Groups& shown) const;
+  // Period and damping of the swing that would take most of what the model leaves; none where none
+  // takes enough.
+  std::vector<std::vector<double>> swing_seen(const Model& model, const EffectDefinition& effect,
+                                              const Groups& groups) const;
   std::vector<effects::Lack> lacks() const;
   void describe(const MeasurementSet& set, const CsvTable& table);
   void add_covariates();

@@ -6,9 +6,11 @@
 #include <optional>
 
 #include "effects/questions.h"
+#include "measurement/fitting/assess.h"
 #include "measurement/fitting/few_groups.h"
 #include "measurement/fitting/wide_fit.h"
 #include "measurement/kinds/joints/joints.h"
+#include "measurement/numerics/span.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {
@@ -92,6 +94,49 @@ std::vector<std::vector<double>> coarse_grid(const EffectDefinition& effect, boo
 
 }  // namespace
 
+namespace {
+
+// From 33 to 0.9 Hz. A swing that is damped by a tenth of the critical damping is as wide as a
+// fifth of its frequency: from one look to the next it is half seen.
+constexpr double kShortest_s = 0.03, kLongest_s = 1.1, kNext = 1.25;
+constexpr double kDampings[] = {0.05, 0.25};
+
+std::vector<double> periods_s() {
+  std::vector<double> periods;
+  for (double period_s = kShortest_s; period_s < kLongest_s; period_s *= kNext)
+    periods.push_back(period_s);
+  return periods;
+}
+
+// What the model's own values can do about residuals.
+Span span_of_values(const JointsProblem& problem, const Model& model, const Groups& groups,
+                    const Evaluation& here) {
+  std::vector<Unknown> unknowns = refitted_unknowns(model);
+  std::erase_if(unknowns, [&](const Unknown& unknown) {
+    return model.find(unknown.effect)->definition->spread_only;
+  });
+  Span span;
+  if (unknowns.empty()) return span;
+  for (std::vector<double>& column : problem.jacobian(model, unknowns, groups, here)) {
+    constexpr double kOwn = 1e-6;  // Of its length: less is rounding.
+    const double whole = span.take_out_of(column);
+    if (length(column) > kOwn * whole) span.add(column);
+  }
+  return span;
+}
+
+bool seeks_a_swing(const EffectDefinition& effect, unsigned kind) {
+  // Of an effect whose wave repeats over the angle the first parameter is the wave's amplitude.
+  return effect.parameters.size() == 2 &&
+         effects::start_rule(effect, kind).search == effects::StartSearch::frequency;
+}
+
+double looks_for_a_swing() {
+  return static_cast<double>(periods_s().size());
+}
+
+}  // namespace
+
 std::vector<std::vector<double>> JointsProblem::starts(const Model& model,
                                                        const EffectDefinition& effect) const {
   const Groups training = folds().size() == 1 ? training_groups() : all_groups();
@@ -109,6 +154,7 @@ std::vector<std::vector<double>> JointsProblem::starts_on(const Groups& groups, 
 
 std::vector<std::vector<double>> JointsProblem::starts_seen_on(
     const Groups& groups, const Model& model, const EffectDefinition& effect) const {
+  if (seeks_a_swing(effect, facts_.set.kind)) return swing_seen(model, effect, groups);
   const auto few = few_of(*this, model, groups);
   if (!few || few->problem == this)
     return starts_of(model, effect, few ? few->groups : groups, groups);
@@ -192,6 +238,7 @@ class WaveOverAngle {
 double JointsProblem::looks(const Model& model, const EffectDefinition& effect) const {
   if (effects::start_rule(effect, facts_.set.kind).search != effects::StartSearch::frequency)
     return Problem::looks(model, effect);
+  if (seeks_a_swing(effect, facts_.set.kind)) return looks_for_a_swing();
   const effects::Parameter& per_turn = effect.parameters[1];
   return std::max(1.0, (per_turn.max - per_turn.min) * span_of(set_) / maths::kPi);
 }
@@ -223,6 +270,43 @@ std::vector<double> JointsProblem::wave_over_angle(const Model& model,
     if (!(gained > gain)) continue;
     gain = gained;
     best = {wave.amplitude_rad(), cycles, wave.phase_rad()};
+  }
+  return best;
+}
+
+// The swing that would take most of what is left beside the model's own values, if a swing takes
+// more than chance gives so many looks, and enough of what is left: while a model misses far more,
+// what it misses comes first, and the look is had again when that is found.
+std::vector<std::vector<double>> JointsProblem::swing_seen(const Model& model,
+                                                           const EffectDefinition& effect,
+                                                           const Groups& groups) const {
+  constexpr double kByChance = 12;  // Of chi-square: one of thirty looks in a hundred sets.
+  constexpr double kShare = 0.02;
+  constexpr double kMost = 1.5;  // Times the whole swing.
+  const Evaluation here = evaluate(model, groups, nullptr);
+  if (!here.valid) return {};
+  const Span values = span_of_values(*this, model, groups, here);
+  std::vector<double> left = here.whitened;
+  values.take_out_of(left);
+  double gain = std::max(kByChance, kShare * dot(left, left));
+  std::vector<std::vector<double>> best;
+  Model trial = model;
+  trial.add_neutral(std::make_shared<EffectDefinition>(effect));
+  for (const double period_s : periods_s()) {
+    for (const double damping : kDampings) {
+      trial.set_value(effect.name, 0, period_s);
+      trial.set_value(effect.name, 1, damping);
+      const Evaluation there = evaluate(trial, groups, &here);
+      if (!there.valid) continue;
+      std::vector<double> change(left.size(), 0);
+      for (size_t i = 0; i < change.size(); ++i) change[i] = here.whitened[i] - there.whitened[i];
+      values.take_out_of(change);
+      const double along = dot(left, change), square = dot(change, change);
+      if (!(along > 0) || !(square > 0)) continue;
+      const double part = std::min(along / square, kMost);
+      const double gained = part * (2 * along - part * square);
+      if (gained > gain) gain = gained, best = {{period_s, damping}};
+    }
   }
   return best;
 }
