@@ -31,10 +31,10 @@ export function SeriesFigure({ plot, names, sentence, ...more }: SeriesProps) {
     ...(ground ? groundSize(plot, width) : { height: 230 }), marginLeft: 52, marginBottom: 38,
     x: { label: label(plot.x), ticks: width < 420 ? 4 : 6, tickSize: 4, ...(ground ? { domain: spanOf(plot, 0) } : {}) },
     y: { label: label(plot.y), ticks: 5, tickSize: 4, grid: true,
-      ...(ground ? { domain: spanOf(plot, 1) } : { nice: true }) },
+      ...(ground ? { domain: spanOf(plot, 1) } : plot.span ? { domain: plot.span } : { nice: true }) },
     marks: plot.lines.flatMap((line) => [
       Plot.line(line.points, {
-        x: (p: number[]) => p[0], y: (p: number[]) => p[1], strokeWidth: 1.4,
+        x: (p: number[]) => p[0], y: (p: number[]) => p[1], strokeWidth: 1.4, clip: plot.span !== undefined,
         stroke: colourOf(line.name, names.indexOf(line.name)),
         strokeDasharray: line.name === "command" ? "3 3" : undefined,
       }),

@@ -2,8 +2,8 @@
 
 type Work = () => void;
 
-/** No task of the page is much longer: a click is answered before a person sees that it was not. */
-const longest_ms = 25;
+/** No task of the page is much longer than this and one piece: a click is answered before a person sees that it was not. */
+const longest_ms = 12;
 
 /** By whom it is wanted: who wants again before the turn has come, wants only the last. */
 const wanted = new Map<object, Work>();

@@ -106,6 +106,8 @@ export interface Series {
   /** A way over the ground: one scale for both axes. */
   plane?: "world_m";
   rms?: number | null;
+  /** Of y, where single values far outside must not flatten the rest. */
+  span?: [number, number];
   lines: Line[];
 }
 

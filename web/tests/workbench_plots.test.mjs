@@ -1,15 +1,15 @@
-// The plots of landmarks and of whole images in the workbench, drawn from sets that the program makes: what is painted where, and
-// what a click chooses. `workbench_plots.test.mjs SHARE SEAM`.
+// The plots of landmarks, of whole images and of whole runs in the workbench, drawn from sets that the program makes: what is
+// painted where, and what a click chooses. `workbench_plots.test.mjs SHARE SEAM SOURCE`.
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
 import { existsSync, mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fits, launch, openPage, skip, within } from "./browser.mjs";
-import { makeFrames, makeLandmarks } from "./made_sets.mjs";
+import { makeFrames, makeLandmarks, makeOutcomes } from "./made_sets.mjs";
 import { startProgram } from "./program.mjs";
 
-const [share, seam] = process.argv.slice(2);
+const [share, seam, source] = process.argv.slice(2);
 if (!existsSync(join(share, "workbench/index.html"))) skip(`${share}/workbench was not built`);
 const shots = process.env.SEAM_SCREENSHOTS;
 const limit_ms = 120_000;
@@ -97,12 +97,35 @@ async function frames(browser) {
   await close();
 }
 
+async function outcomes(browser) {
+  const { page, close } = await opened(browser, "outcomes");
+  const seen = figure(page, "predicted and seen"), runs = figure(page, "distribution of runs");
+  const dots = (k) => seen.locator('[data-mark="dot"]').nth(k).locator("circle").evaluateAll((all) => all.map((dot) => Number(dot.getAttribute("cx"))));
+  const off = (some, others) => some.reduce((sum, x, i) => sum + Math.abs(x - others[i]), 0);
+  const before = off(await dots(0), await dots(1));
+  assert.equal((await dots(0)).length, 8, "each number");
+  await runs.locator('[data-mark="rect"] rect').first().waitFor();
+  // A fit makes some hundred runs of the simulator.
+  await page.locator("#candidate-focal_length_error").click({ timeout: 3 * limit_ms });
+  await page.locator('.figures[data-preview="With focal_length_error"]').waitFor({ timeout: 3 * limit_ms });
+  await within("the preview's runs are drawn", async () => await runs.locator('[data-mark="rect"]').count() === 2, limit_ms);
+  const after = off(await dots(0), await dots(2));
+  assert.ok(after < 0.5 * before, `with the cause the numbers go from ${before} to ${after} px off`);
+  await seen.getByRole("group").focus();
+  await page.keyboard.press("ArrowDown");
+  await page.keyboard.press("Enter");
+  await page.getByRole("heading", { name: "1 row chosen" }).waitFor();
+  await close();
+}
+
 const browser = await launch();
 try {
   makeLandmarks(join(scratch, "landmarks"), run);
   makeFrames(join(scratch, "frames"), run);
+  makeOutcomes(join(scratch, "outcomes"), source, run);
   await landmarks(browser);
   await frames(browser);
+  await outcomes(browser);
 } finally {
   await browser.close();
   rmSync(scratch, { recursive: true, force: true });

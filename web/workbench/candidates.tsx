@@ -198,7 +198,8 @@ const moved = ([, parameter]: [string, Parameters[string]]) => {
 
 /** The first two parameters; the preview has all of them. */
 function Values({ parameters }: { parameters?: Parameters }) {
-  const entries = Object.entries(parameters ?? {}).sort((a, b) => moved(b) - moved(a));
+  const all = Object.entries(parameters ?? {}).sort((a, b) => moved(b) - moved(a));
+  const entries = all.some((one) => moved(one) > 0) ? all.filter((one) => moved(one) > 0) : all;
   return (
     <span class="values num">
       {entries.slice(0, 2).map(([name, parameter]) => (

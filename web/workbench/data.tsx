@@ -8,6 +8,8 @@ import { RowList } from "./row_list";
 import { screen, session, view } from "./store";
 import type { Doubt } from "./model";
 
+const plain = (value: number | null | undefined) => (Number.isInteger(value) ? String(value) : number(value, 4));
+
 export function DataScreen() {
   const set = session.value?.set;
   if (!set) return null;
@@ -23,7 +25,7 @@ export function DataScreen() {
         <h2>Columns</h2>
         <DataTable class="columns" columns={[{ label: "Column" }, { label: "Unit" }, { label: "From", right: true }, { label: "To", right: true },
           { label: "Missing", right: true }, { label: "File" }]} rows={set.columns.map((column) => ({ cells: [
-          <code>{column.name}</code>, column.unit || "–", <Rich text={number(column.low, 4)} />, <Rich text={number(column.high, 4)} />,
+          <code>{column.name}</code>, column.unit || "–", <Rich text={plain(column.low)} />, <Rich text={plain(column.high)} />,
           column.missing ? count(column.missing) : "none", column.file ? <code>{column.file}</code> : "–"] }))} />
         {Object.keys(set.noise).length > 0 && (
           <p class="quiet">Noise of one observation, {set.noiseEstimated ? "estimated" : "stated"}:{" "}

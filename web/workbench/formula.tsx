@@ -106,6 +106,12 @@ function Text({ stage: now }: { stage?: api.Stage }) {
   return <div class="editor" ref={holder} />;
 }
 
+/** A line of a parameter that begins where a formula would: the check takes its name for unknown. */
+function notIndented({ ok, error }: api.Checked): string {
+  const name = ok ? undefined : /unknown name '(\w+)'/.exec(error ?? "")?.[1];
+  return (name && text.value.split("\n").find((line) => line.startsWith(`${name}:`))) || "";
+}
+
 function Verdict() {
   const found = checked.value;
   const ready = found?.ok === true && text.value.trim() !== "" && busy.value === "";
@@ -113,6 +119,7 @@ function Verdict() {
     <div class="formula-verdict">
       <p role="status" class={found && !found.ok ? "trouble" : "quiet"}>
         {!text.value.trim() ? "Write a formula with the variables beside." : !found ? "checking …"
+          : notIndented(found) ? `The line “${notIndented(found)}” must stand below “parameters:”, two spaces in.`
           : found.ok ? `The formula can be read${found.parameters?.length ? `; to be fitted: ${found.parameters.join(", ")}` : ""}.` : found.error}
       </p>
       <button type="button" class="primary" disabled={!ready} onClick={() => void applyFormula(stage.value, name.value, text.value)}>

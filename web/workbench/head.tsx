@@ -79,9 +79,10 @@ const mostSizes = 3;
 /** Root mean square of the residuals in their own units. */
 function Sizes() {
   const shown = view.value;
+  // Of whole images no row has a residual.
   const text = useMemo(() => shown && shown.before.channels.filter((name) => splitUnit(name).unit).slice(0, mostSizes)
-    .map((name) => { const { name: short, unit } = splitUnit(name); return `${words(short)} ${number(rms(shownOf(shown).r.get(name)!))} ${unit}`; })
-    .join(", "), [shown]);
+    .map((name) => ({ ...splitUnit(name), size: rms(shownOf(shown).r.get(name)!) })).filter(({ size }) => size !== null)
+    .map(({ name, unit, size }) => `${words(name)} ${number(size)} ${unit}`).join(", "), [shown]);
   return text ? <span class="quiet small">residuals (rms): <Rich text={text} /></span> : null;
 }
 

@@ -132,8 +132,8 @@ export interface Search {
   advice: string;
 }
 
-/** Of those that shift means the strongest beside the noise first, then those that widen residuals. */
+/** Of those that shift means the strongest beside the noise first, then what no plot shows and what widens residuals. */
 export function strongestFirst(items: Structure[], noise: Record<string, number>): Structure[] {
-  const size = (item: Structure) => (item.moment === "mean" ? (item.strength ?? 0) / (noise[item.residual] || Infinity) : -1);
+  const size = (item: Structure) => (item.moment === "mean" && item.covariate !== "neighbour" ? (item.strength ?? 0) / (noise[item.residual] || Infinity) : -1);
   return [...items].sort((a, b) => size(b) - size(a));
 }

@@ -62,14 +62,21 @@ const keyOf = (effectName: string) => `${session.value?.current}|${session.value
 export const preview = computed<Preview | null>(() => {
   const name = pointed.value;
   if (!name) return null;
-  return previews.value.get(keyOf(name)) ?? { effect: name, residuals: null, error: null, parameters: {}, how: "fitting" };
+  const found = previews.value.get(keyOf(name)) ?? { effect: name, residuals: null, error: null, parameters: {}, how: "fitting" as const };
+  // Of a fit the list has the numbers, which a later look may have found a little better: one answer for both.
+  const listed = found.how === "fit" && searched.value?.candidates.find((one) => one.effect === name);
+  return listed ? { ...found, error: listed.error, parameters: listed.parameters ?? found.parameters } : found;
 });
 
+/** What of a preview plots show: they are drawn anew when these change, not with each number of the list. */
+const previewed = computed(() => preview.value?.residuals ?? null);
+const previewedName = computed(() => preview.value?.effect);
+
 export const view = computed<View | null>(() => {
-  const now = loaded.value, shown = preview.value;
+  const now = loaded.value, after = previewed.value;
   if (!now || !version.value) return null;
   return { version: now.version, rows: now.rows, before: now.residuals, noise: version.value.noise, image: session.value?.set?.image,
-    ...(shown?.residuals ? { after: shown.residuals, with: `With ${shown.effect}` } : {}) };
+    ...(after ? { after, with: `With ${previewedName.value}` } : {}) };
 });
 
 /** Previews the effect in all plots; a pinned one stays when the mouse leaves. */

@@ -34,7 +34,7 @@ export function StructureList() {
           <li key={i}>
             <button type="button" aria-pressed={sameAs(item, look.value)} onClick={() => lookAt(item)}>
               <span>{item.moment === "spread" && <em>spread of </em>}{words(splitUnit(item.residual).name)}
-                {" "}<span class="quiet">with</span> {words(item.covariate)}</span>
+                {" "}<span class="quiet">with</span> {item.covariate === "neighbour" ? "that of its neighbours" : words(splitUnit(item.covariate).name)}</span>
               <Strength item={item} all={items} />
               <span class="quiet num times">{times(item, now.noise)}</span>
             </button>

@@ -61,7 +61,8 @@ export function CovariatePlot({ view, residual, covariate, moment, residuals, co
         <Choice label="Covariate" value={covariate} names={covariates} onChange={(name) => onChoose(residual, name)}
           text={words} />
       </>}
-      sentence={sentenceOf(first.bins, pair.after?.bins, residual, view)} />
+      sentence={moment === "spread" ? spreadSentence(first.bins, pair.after?.bins, residual, view)
+        : sentenceOf(first.bins, pair.after?.bins, residual, view)} />
   );
 }
 
@@ -78,6 +79,16 @@ function Choice({ label, value, names, text, onChange }: { label: string; value:
 function follows(bins: Bin[]): number {
   const total = bins.reduce((sum, bin) => sum + bin.n, 0) || 1;
   return Math.sqrt(bins.reduce((sum, bin) => sum + bin.n * (bin.mean ?? 0) ** 2, 0) / total);
+}
+
+function spreadSentence(before: Bin[], after: Bin[] | undefined, residual: string, view: View): string {
+  const { unit } = splitUnit(residual);
+  const span = (bins: Bin[]) => {
+    const all = bins.map((bin) => bin.scatter ?? 0).filter((scatter) => scatter > 0);
+    return all.length > 0 ? `${number(Math.min(...all), 2)} to ${number(Math.max(...all), 2)} ${unit}` : "not known";
+  };
+  return `How much residuals scatter in each bin: ${span(before)}.${after ? ` ${view.with ?? "Preview"}: ${span(after)}.` : ""} Dashes are ` +
+    "the scatter that the model states: where dots leave them, the noise depends on this.";
 }
 
 function sentenceOf(before: Bin[], after: Bin[] | undefined, residual: string, view: View): string {

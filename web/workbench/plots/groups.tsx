@@ -61,9 +61,14 @@ export function GroupPlot({ view, name = "group", ids: given, labels }: GroupPro
   const first = useMemo(() => sums(before), [rows, before]);
   const shown = useMemo(() => (now === before ? first : sums(now)), [now, first]);
   const top = Math.max(1.6, 1.1 * quantile(first.map((group) => group.error), 0.97));
+  /** As many names as have room side by side. */
+  const ticksOf = (width: number) => {
+    const longest = Math.max(...first.map((group) => label(group.id).length));
+    return Math.max(1, Math.min(first.length, width < 420 ? 5 : 8, Math.floor((width - 60) / (7 * longest + 14))));
+  };
   const draw = useCallback((width: number): Plot.PlotOptions => ({
     height: 220, marginLeft: 46, marginBottom: 38, marginTop: 26,
-    x: { domain: [-0.7, first.length - 0.3], label: name, tickSize: 4, ticks: Math.min(first.length, width < 420 ? 5 : 8),
+    x: { domain: [-0.7, first.length - 0.3], label: name, tickSize: 4, ticks: ticksOf(width),
       tickFormat: (k: number) => (Number.isInteger(k) && first[k] ? label(first[k].id) : "") },
     y: { domain: [0, top], label: "error (1 = the noise)", ticks: 4, tickSize: 4, grid: true },
     marks: [Plot.ruleY([1], { stroke: palette.formal, strokeDasharray: "4 3", strokeWidth: 1.4 })],

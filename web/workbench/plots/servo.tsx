@@ -2,7 +2,7 @@
 import { useCallback, useMemo } from "preact/hooks";
 import type { Box } from "../../shared/brush";
 import type { Frame } from "../../shared/figure";
-import { number } from "../../shared/format";
+import { number, quantile } from "../../shared/format";
 import { palette } from "../../shared/palette";
 import { SeriesFigure } from "../../shared/series";
 import type { Line, Series } from "../../shared/types";
@@ -15,6 +15,12 @@ import type { View } from "./view";
 
 const channel = "measured_rad";
 const names = ["measured", "predicted", "command", "predicted after"];
+
+/** Of the measured rates, with some room: where a command jumps a model without a lag jumps, too. */
+function spanOf(rate: Numbers): [number, number] {
+  const most = 1.3 * quantile([...rate].filter(Number.isFinite).map(Math.abs), 0.999) || 1;
+  return [-most, most];
+}
 
 export function ServoPlots({ view }: { view: View }) {
   const { rows, before, after } = view;
@@ -29,7 +35,7 @@ export function ServoPlots({ view }: { view: View }) {
     lines: [line("command", time, command), line("measured", time, measured), line("predicted", time, first),
       ...(second ? [line("predicted after", time, second)] : [])] }), [track, first, second]);
   const rate = useMemo(() => rateOf(track, time, measured), [track]);
-  const phase: Series = useMemo(() => ({ title: `${track.name}: phase plane`, x: channel, y: "rate_radps",
+  const phase: Series = useMemo(() => ({ title: `${track.name}: phase plane`, x: channel, y: "rate_radps", span: spanOf(rate),
     lines: [line("measured", measured, rate), line("predicted", first, rateOf(track, time, first)),
       ...(second ? [line("predicted after", second, rateOf(track, time, second))] : [])] }), [track, rate, first, second]);
   const inTrack = useMemo(() => new Set(track.rows), [track]);
@@ -48,7 +54,7 @@ export function ServoPlots({ view }: { view: View }) {
           ? `, blue with the preview, which misses by ${size} rad root mean square` : `, which misses by ${size} rad root mean square`}.`} />
       <SeriesFigure plot={phase} names={names} onBrush={useCallback(within(measured, rate, "angle"), [track, rate])}
         paint={useCallback(marks(measured, rate), [track, rate, chosen])}
-        sentence="Angle and rate of the same run. A lag turns the loops, friction flattens them where the rate changes its sign." />
+        sentence="Angle and rate of the same run. A lag turns the loops, friction flattens them where the rate changes its sign. What lies outside the measured rates is cut." />
     </>
   );
 }
