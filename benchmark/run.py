@@ -8,7 +8,7 @@
   benchmark/run.py outside OUT ANSWERS.json [--wrong]                      of causes outside the catalogue: what is said of them
   benchmark/run.py summary OUT ANSWERS.json MORE.json ...                  a row a program
   benchmark/run.py pair OUT ANSWERS.json OTHERS.json                       compares two programs on the same sets
-  benchmark/run.py trust OUT ANSWERS.json [MORE.json ...]                  the table by which SEAM says how far to trust it
+  benchmark/run.py trust OUT ANSWERS.json [MORE.json ...]                  how often verdicts were right, by kind and verdict
   benchmark/run.py truth OUT --seam build/seam                             errors of the true models: near 1
 
 `--answered` leaves out sets that the first file has no answer to: else they count as wrong. --csv FILE: the table.
@@ -123,7 +123,7 @@ def trust_table(options):
     given = {}
     for path in (options.answers, *options.others):
         given |= answers.read(path)["answers"]
-    trust.HEADER.write_text(trust.header(trust.counts(read_truths(options.out), given)))
+    print(trust.header(trust.counts(read_truths(options.out), given)), end="")
     return 0
 
 

@@ -1,9 +1,6 @@
 """How far a verdict can be trusted: of sets of a kind whose answers looked alike, how many were right."""
-import pathlib
-
 import scores
 
-HEADER = pathlib.Path(__file__).parent.parent / "measurement/report/trust/trust_table.h"
 ENDS = ("nothing", "named", "unexplained")
 HEAD = """// How often verdicts were right on sets of the benchmark, by kind and verdict. Made by `benchmark/run.py trust` from the
 // answers in benchmark/results: run it again after a change of these.
