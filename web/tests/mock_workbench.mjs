@@ -223,6 +223,7 @@ function write(session, path, body) {
       ++session.seen;
       return { status: 200, body: seen(body) };
     case "formula/check": {
+      if (!/^[a-z][a-z0-9_]*$/.test(body.name)) return { status: 200, body: { ok: false, error: "name: expected a letter first" } };
       const at = body.text.indexOf("?");
       return { status: 200, body: at >= 0 ? { ok: false, error: `'?' is no operator`, line: 1, column: at + 1 } : { ok: true, parameters: ["k"] } };
     }

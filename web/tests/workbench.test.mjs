@@ -120,6 +120,11 @@ async function formulaAndSession(page, server) {
   await page.keyboard.press("Control+a");
   await page.keyboard.type("u: k * row");
   await page.getByText("The formula can be read; to be fitted: k.").waitFor();
+  // A name is checked as the text is.
+  await page.getByLabel("Name", { exact: true }).fill("Skew");
+  await page.getByText("name: expected a letter first").waitFor();
+  await page.getByLabel("Name", { exact: true }).fill("my_effect");
+  await page.getByText("The formula can be read; to be fitted: k.").waitFor();
   await page.getByRole("button", { name: "Fit and add" }).click();
   await until(page, () => document.querySelector(".command code").textContent.includes("my_effect"));
   await toScreen(page, "Session");
@@ -192,7 +197,7 @@ async function byKeyboard(browser) {
   const { page, errors } = await opened(browser, server, wide);
   await leaveOutByKeys(page, server);
   await page.locator("[role=listbox]").focus();
-  await page.keyboard.press("ArrowDown");
+  await page.keyboard.press("Home");
   await page.locator(".context.previewing[data-preview=rolling_shutter]").waitFor();
   await page.keyboard.press("ArrowDown");
   await page.locator(".context.previewing[data-preview=frame_latency]").waitFor();

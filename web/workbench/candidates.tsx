@@ -121,16 +121,16 @@ function List({ blocks, strong, none }: { blocks: Block[]; strong: number; none:
     (inSheet ? document.querySelector<HTMLElement>(".sheet-handle") : list.current)?.focus({ preventScroll: true });
   }, [focusList.value]);
   const now = pointed.value;
-  const step = (by: number) => {
+  const go = (to: number) => {
     if (all.length === 0) return;
-    const at = all.findIndex((c) => c.effect === now);
-    const next = all[Math.max(0, Math.min(all.length - 1, at < 0 ? (by > 0 ? 0 : all.length - 1) : at + by))];
+    const next = all[Math.max(0, Math.min(all.length - 1, to))];
     point(next.effect, true);
     list.current?.querySelector(`#${idOf(next.effect)}`)?.scrollIntoView({ block: "nearest" });
   };
   const onKey = (event: KeyboardEvent) => {
+    const at = all.findIndex((c) => c.effect === now), last = all.length - 1;
     const moves: Record<string, () => void> = {
-      ArrowDown: () => step(1), ArrowUp: () => step(-1), Home: () => step(-all.length), End: () => step(all.length),
+      ArrowDown: () => go(at + 1), ArrowUp: () => go(at < 0 ? last : at - 1), Home: () => go(0), End: () => go(last),
       Enter: () => now && void addEffect(now),
     };
     const move = moves[event.key];

@@ -2,11 +2,13 @@
 import { autocompletion, completionKeymap, type CompletionContext } from "@codemirror/autocomplete";
 import { defaultKeymap, history, historyKeymap } from "@codemirror/commands";
 import { linter, type Diagnostic } from "@codemirror/lint";
-import { EditorState } from "@codemirror/state";
-import { EditorView, keymap, lineNumbers, placeholder } from "@codemirror/view";
+import { EditorState, StateEffect } from "@codemirror/state";
+import { EditorView, keymap, lineNumbers, placeholder, type ViewUpdate } from "@codemirror/view";
 
 export interface Editor {
   set: (text: string) => void;
+  /** Checks the same text once more: what it is checked with has changed. */
+  checkAgain: () => void;
   destroy: () => void;
 }
 
@@ -33,6 +35,8 @@ const look = EditorView.theme({
   ".cm-placeholder": { color: "var(--ink-3)" },
 });
 
+const again = StateEffect.define<null>();
+
 export function makeEditor(parent: HTMLElement, text: string, variables: () => Variable[],
   check: (text: string) => Promise<Fault[]>): Editor {
   const complete = (context: CompletionContext) => {
@@ -49,10 +53,11 @@ export function makeEditor(parent: HTMLElement, text: string, variables: () => V
       return { from, to: Math.min(view.state.doc.length, from + 1), severity: "error", message };
     });
   };
+  const refresh = (update: ViewUpdate) => update.transactions.some((one) => one.effects.some((effect) => effect.is(again)));
   const view = new EditorView({
     parent,
     state: EditorState.create({ doc: text, extensions: [
-      lineNumbers(), history(), autocompletion({ override: [complete] }), linter(lint, { delay: 250 }), look,
+      lineNumbers(), history(), autocompletion({ override: [complete] }), linter(lint, { delay: 250, needsRefresh: refresh }), look,
       keymap.of([...completionKeymap, ...defaultKeymap, ...historyKeymap]),
       EditorView.contentAttributes.of({ "aria-label": "Formula" }), placeholder("parameters: {k: {scale: 1}}\nu_px: k * row * pan_rate"),
     ] }),
@@ -62,6 +67,7 @@ export function makeEditor(parent: HTMLElement, text: string, variables: () => V
       if (next === view.state.doc.toString()) return;
       view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: next } });
     },
+    checkAgain: () => view.dispatch({ effects: again.of(null) }),
     destroy: () => view.destroy(),
   };
 }

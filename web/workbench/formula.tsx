@@ -94,7 +94,8 @@ function Text({ stage: now }: { stage?: api.Stage }) {
       checked.value = await api.checkFormula(stage.value, name.value, written).catch((error: Error) =>
         ({ ok: false, error: error.message }));
       const { ok, error, line, column } = checked.value;
-      return ok ? [] : [{ line: line ?? 1, column: column ?? 1, text: error ?? "The formula is not right." }];
+      // What is wrong with the name is no fault of a place in the text.
+      return ok || error?.startsWith("name:") ? [] : [{ line: line ?? 1, column: column ?? 1, text: error ?? "The formula is not right." }];
     })), (error: Error) => (failed.value = error.message));
     return () => {
       gone = true;
@@ -103,6 +104,7 @@ function Text({ stage: now }: { stage?: api.Stage }) {
     };
   }, [now]);
   useEffect(() => editor.current?.set(text.value), [text.value]);
+  useEffect(() => editor.current?.checkAgain(), [name.value]);
   return <div class="editor" ref={holder} />;
 }
 
