@@ -193,6 +193,9 @@ function write(session, path, body) {
     }
     case "goto": session.move(String(body.version)); break;
     case "note": session.find(body.version).note = body.note; break;
+    case "fit":
+      session.move(session.add(session.current, "refitted", `seam fit --model versions/00${session.current}.yaml --data points-a`));
+      break;
     case "leave-out": {
       const count = body.ranges.reduce((sum, [from, to]) => sum + to - from + 1, 0);
       session.move(session.current);

@@ -108,6 +108,11 @@ async function chooseAndLeaveOut(page, server) {
   await page.keyboard.press("Enter");
   await page.locator(".left-out").waitFor();
   assert.match(await page.locator(".left-out").innerText(), /the head was pushed/);
+  const unfitted = server.session.current;
+  await page.getByRole("button", { name: "Fit again" }).click();
+  await until(page, () => document.querySelector(".command code").textContent.startsWith("seam fit "));
+  await page.getByRole("button", { name: "Undo" }).click();
+  await within("the fit is undone", () => server.session.current === unfitted);
   await page.getByRole("button", { name: "Undo" }).click();
   await until(page, () => !document.querySelector(".left-out"));
 }

@@ -193,6 +193,7 @@ export const checkFormula = (stage: string, name: string, text: string) =>
   post<Checked>("formula/check", { stage, name, text });
 export const fitFormula = (revision: number, stage: string, name: string, text: string) =>
   stateOf(post("formula/fit", { revision, stage, name, text }));
+export const fitAgain = (revision: number) => stateOf(post("fit", { revision }));
 export interface Proposals {
   proposals: { stage: string; name: string; text: string; formula?: string; error?: number | null }[];
   /** False while the search runs: a formula is sought last. */

@@ -6,7 +6,7 @@ import { Rich } from "../shared/rich";
 import { DataTable, type Column } from "../shared/table";
 import { Picture } from "./picture";
 import { choose, clearSelection, rowsOf, selection } from "./selection";
-import { leaveOut, look, session, takeBack, view } from "./store";
+import { busy, fitAgain, leaveOut, look, session, takeBack, view } from "./store";
 
 const reason = signal("");
 /** Of which version rows are about to be left out. */
@@ -164,6 +164,8 @@ function LeftOutList() {
             <button type="button" class="link" onClick={() => void takeBack(item)}>take back</button></li>
         ))}
       </ul>
+      <p class="quiet small">Effects that were added keep their values until they are fitted to the rows that remain.{" "}
+        <button type="button" class="link" disabled={busy.value !== ""} onClick={() => void fitAgain()}>Fit again</button></p>
     </div>
   );
 }

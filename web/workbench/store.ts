@@ -282,6 +282,9 @@ export const openImport = (dropped: string, kind: string, options: Record<string
 
 export const takeBack = (item: LeftOut) => write("taking rows back", () => api.takeBack(revision(), item));
 
+/** Effects keep their values where rows are left out, until they are fitted to those that remain. */
+export const fitAgain = () => write("fitting again", () => api.fitAgain(revision()));
+
 export async function applyFormula(stage: string, name: string, text: string): Promise<void> {
   if (await write("fitting the formula", () => api.fitFormula(revision(), stage, name, text))) screen.value = "work";
 }
