@@ -9,6 +9,7 @@ import io
 import json
 import os
 import pathlib
+import re
 import shutil
 import signal
 import struct
@@ -205,6 +206,7 @@ class Workbench(OfTheRoom):
             self.assertNotEqual(rows["r:u_px"][7], rows["r:u_px"][7])  # No value.
             page.change("fit")
             before = page.state
+            # Nothing is free in it: its file has the values that the page shows.
             exported = page.ask("export?what=model&version=002")
             self.assertEqual(exported.content, (self.session / "versions/002.yaml").read_bytes())
             script = page.ask("script").content
@@ -328,6 +330,7 @@ class Workbench(OfTheRoom):
                                        self.folder / "file"], capture_output=True, text=True, check=True)
                 self.assertEqual(answer.json["text"], (self.folder / "file").read_text(), done.stdout)
             page.change("add", effect="rolling_shutter")
+            page.looked_at("002")
             wanted = {"version": "002", "format": "opencv", "drop": False}
             refused = page.ask("export", wanted)
             self.assertEqual(refused.status, 400)
@@ -336,6 +339,24 @@ class Workbench(OfTheRoom):
             self.assertTrue(any("without rolling_shutter" in note for note in dropped["notes"]), dropped["notes"])
             for wrong in ({"format": "--plugin=x"}, {"version": "../001"}, {"drop": "yes"}):
                 self.assertIn(page.ask("export", {**wanted, **wrong}).status, (400, 404), wrong)
+
+    def test_an_export_has_the_values_that_the_page_shows(self):
+        nominal = self.data / "nominal.yaml"
+        nominal.write_text(nominal.read_text().replace("fx_px: 161.9", "fx_px: {value: 140, free: true}"))
+        subprocess.run([SEAM, "fit", "--model", nominal, "--data", self.data, "--out", self.folder / "fitted.yaml"], check=True,
+                       capture_output=True)
+        fitted = self.focal_length((self.folder / "fitted.yaml").read_text())
+        self.assertGreater(abs(fitted - 140), 5)
+        with self.page() as page:
+            page.looked_at("001")
+            shown = self.focal_length(page.ask("export?what=model&version=001").content.decode())
+            self.assertAlmostEqual(shown, fitted, delta=0.2)  # Rows that judge take no part in what is shown.
+            camera = page.ask("export", {"version": "001", "format": "ros", "drop": False}).json["text"]
+            self.assertAlmostEqual(float(re.search(r"data: \[([0-9.]+),", camera)[1]), shown, delta=0.001)
+
+    @staticmethod
+    def focal_length(model):
+        return float(re.search(r"fx_px: \{value: ([0-9.]+)", model)[1])
 
     def test_a_formula_is_proposed(self):
         slipping = SOURCE / "docs/tutorial/slipping_robot.yaml"
@@ -473,6 +494,13 @@ class Workbench(OfTheRoom):
             self.assertEqual(state["set"]["kind"], "joints")
             self.assertTrue(state["set"]["folder"].endswith("set-swing"))
             self.assertIsNotNone(page.looked_at("001")["error"])
+
+    def test_dropped_files_are_recognised(self):
+        log = json.dumps({"entries": [{"timestamp": 0.0, "goal_position": 0.0, "position": 0.1}]})
+        series = "# Measurement for EMVA1288 Standard Release 3.0\nv 3.0\nn 12 640 480\n"
+        with self.page("--session", self.session) as page:
+            for files, kind in (({"run__json": log}, "servo"), ({"Data__txt": series}, "emva1288"), ({"notes__txt": "buy milk"}, "")):
+                self.assertEqual(self.drop(page, **files).json["import"]["kind"], kind)
 
     def test_pictures_of_a_set(self):
         """Only those in the set, or dropped on the page: a link of a foreign set may lead anywhere."""

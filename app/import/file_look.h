@@ -18,6 +18,12 @@ struct FileLook {
   std::optional<TextTable> table;  // Of the first rows, where it is one.
 
   bool has_column(const Names& names) const { return table && table->find(names) >= 0; }
+  // Of JSON.
+  bool has_key(const Names& names) const {
+    return std::any_of(names.begin(), names.end(), [this](const std::string& name) {
+      return holds(('"' + name + '"').c_str());
+    });
+  }
   bool holds(const char* text) const { return start.find(text) != std::string::npos; }
   bool ends(const Names& ends) const {
     return std::find(ends.begin(), ends.end(), extension) != ends.end();

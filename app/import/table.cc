@@ -135,8 +135,11 @@ const std::vector<ImportKind>& import_kinds() {
        .also = {"joints", "joint", "motor", "motors", "actuator", "arm"},
        .looks =
            [](const FileLook& look) {
-             return look.ends({".jsonl"}) || (look.has_column(servo_names().commands) &&
-                                              look.has_column(servo_names().measured));
+             const auto has = [&](const Names& names) {
+               return look.has_column(names) || (look.ends({".json"}) && look.has_key(names));
+             };
+             return look.ends({".jsonl"}) ||
+                    (has(servo_names().commands) && has(servo_names().measured));
            }},
       {.name = "imu",
        .help = "readings of a gyroscope, an accelerometer or both, CSV, a file a run",
@@ -183,7 +186,9 @@ const std::vector<ImportKind>& import_kinds() {
       {.name = "emva1288",
        .help = "a series by its descriptor text, with PNG or TIFF images of 8 to 16 bits",
        .options = {},
-       .fill = import_emva1288},
+       .fill = import_emva1288,
+       .what = "a series of EMVA 1288",
+       .looks = [](const FileLook& look) { return look.ends({".txt"}) && look.holds("EMVA1288"); }},
       {.name = "flats",
        .help =
            "a folder of flat fields and darks: PNG, TIFF, FITS; exposures from CSV, FITS, EXIF, "

@@ -61,7 +61,9 @@ json exported_json(const Exporting& wanted) {
                                        wanted.version, format.name, ending_of(format.name));
   make_output_folder(wanted.scratch);
   const fs::path out = wanted.scratch / ("export-" + format.name);
-  std::vector<std::string> command = {"export", fs::absolute(wanted.model).string()};
+  const fs::path model = wanted.scratch / "export-model.yaml";
+  wanted.model.write(model);
+  std::vector<std::string> command = {"export", fs::absolute(model).string()};
   command.insert(command.end(), {"--to", format.name, "--out", out.string()});
   if (asks_set(format, wanted.set))
     command.insert(command.end(), {"--data", fs::absolute(wanted.set).string()});
@@ -75,7 +77,7 @@ json exported_json(const Exporting& wanted) {
   });
   if (ended.code != 0) throw Refusal(400, ended.trouble());
   json answer = {{"name", name}, {"text", read_file(out)}, {"notes", std::move(notes)}};
-  fs::remove(out);
+  fs::remove(out), fs::remove(model);
   return answer;
 }
 

@@ -5,13 +5,15 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "effects/model.h"
+
 namespace seam::tools {
 
 // `[{name, what}]`: the formats of `seam export` that hold a model of this kind of measurement.
 nlohmann::json export_formats_json(const std::string& kind);
 
 struct Exporting {
-  std::filesystem::path model;
+  effects::Model model;  // As the page shows it: what is free has its fitted values.
   std::string version;
   std::filesystem::path set;
   std::filesystem::path scratch;  // A folder for what the command writes.

@@ -1,6 +1,7 @@
 // `seam workbench`: a page on this machine to work on a model with (docs/workbench.md).
 #include <charconv>
 #include <mutex>
+#include <optional>
 
 #include "measurement/sets/set.h"
 #include "sim_core/base/error.h"
@@ -182,7 +183,7 @@ class Workbench {
     if (what == "script") {
       content = desk_.script(), name += ".sh";
     } else if (what == "model") {
-      content = read_file(desk_.model(version)), name += "-" + version + ".yaml";
+      content = as_shown(version).to_yaml(), name += "-" + version + ".yaml";
     } else if (what == "session") {
       content = session_archive(state.value("session", ""), desk_.script());
       name += "-session.zip", type = "application/zip";
@@ -207,10 +208,9 @@ class Workbench {
     server_.post("/api/export", [this](const Request& request, Response& response) {
       const Body body(request);
       const std::string version = body.text("version");
-      const fs::path model = desk_.model(version);
       const fs::path session = desk_.state().value("session", "");
       const std::lock_guard one_at_a_time(exporting_);
-      answer_json(response, exported_json({.model = model,
+      answer_json(response, exported_json({.model = as_shown(version),
                                            .version = version,
                                            .set = desk_.set_folder(),
                                            .scratch = session / "cache" / version,
@@ -262,16 +262,31 @@ class Workbench {
     });
   }
 
-  // A version as its rows are judged: what is free in it has its fitted values, once they are
-  // known.
+  // Where the fitted values of a version stand: empty while it is being compared, nothing where
+  // that ended without.
+  std::optional<fs::path> fitted_values(const std::string& version) {
+    try {
+      return desk_.computed(version, {"model.json"});
+    } catch (const Refusal&) {
+      return std::nullopt;
+    }
+  }
+
+  // A version as its rows are judged: what is free has its fitted values, once these are known.
   effects::Model as_fitted(const std::string& version) {
     auto model = effects::Model::from_file(desk_.model(version));
-    try {
-      const auto file = desk_.computed(version, {"model.json"});
-      if (!file.empty()) take_values(model, json_of(file));
-    } catch (const Refusal&) {  // It was not compared: the model as it stands.
-    }
+    const auto file = fitted_values(version);
+    if (file && !file->empty()) take_values(model, json_of(*file));
     return model;
+  }
+
+  // The same to take away, which waits for the values.
+  effects::Model as_shown(const std::string& version) {
+    const auto file = fitted_values(version);
+    if (file && file->empty())
+      throw Refusal(409,
+                    "version " + version + " is being compared; export it once its error is shown");
+    return as_fitted(version);
   }
 
   void add_seeing() {

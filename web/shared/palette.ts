@@ -15,6 +15,8 @@ const known = new Map<string, string>();
 
 /** Whether the page is dark; drawings that read it or a colour follow it. */
 export const isDark = signal(dark.matches);
+/** The colour of lines that were measured, in words. */
+export const inkName = () => (isDark.value ? "White" : "Black");
 dark.addEventListener("change", () => {
   known.clear();
   isDark.value = dark.matches;

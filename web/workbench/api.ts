@@ -109,7 +109,7 @@ export interface PreviewAnswer {
   residuals: Residuals | null;
   error: number | null;
   parameters: Parameters;
-  how: "linear" | "fit";
+  how: "linear" | "first" | "fit";
 }
 
 /** Null while the effect is being fitted. */
@@ -117,7 +117,7 @@ export async function preview(version: string, effect: string, n: number): Promi
   const response = await ask(`preview?version=${encodeURIComponent(version)}&effect=${encodeURIComponent(effect)}`);
   if (response.status === 202) return null;
   const table = decode(await response.arrayBuffer());
-  const head = table.head as unknown as { error: number | null; parameters: Parameters; how: "linear" | "fit" };
+  const head = table.head as unknown as { error: number | null; parameters: Parameters; how: "linear" | "first" | "fit" };
   return { residuals: table.head.n === n ? residualsOf(table) : null, error: head.error, parameters: head.parameters ?? {},
     how: head.how };
 }

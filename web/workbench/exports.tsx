@@ -6,7 +6,7 @@ import * as api from "./api";
 import { session } from "./store";
 
 const files: [string, string, string][] = [
-  ["model", "Model", "the version shown, a model file of SEAM"],
+  ["model", "Model", "the version shown with its fitted values, a model file of SEAM"],
   ["report", "Report", "a page that works without this program"],
   ["session", "Whole session", "all versions, notes and rows left out, as an archive"],
 ];

@@ -148,10 +148,16 @@ function Variables({ stage: now }: { stage?: api.Stage }) {
 }
 
 function Proposals() {
-  const ask = () => api.proposals().then((all) => (proposed.value = all), (error: Error) => (failed.value = error.message));
   // With the verdict of the search comes its formula, too.
   const ended = searched.value?.progress === null;
-  useEffect(() => void ask(), [version.value?.id, ended]);
+  useEffect(() => {
+    let gone = false;
+    proposed.value = null; // What stood there was of another version, or of another set.
+    api.proposals().then((all) => gone || (proposed.value = all), (error: Error) => gone || (failed.value = error.message));
+    return () => {
+      gone = true;
+    };
+  }, [session.value?.set?.folder, version.value?.id, ended]);
   const found = proposed.value;
   return (
     <section>

@@ -49,7 +49,7 @@ export interface Preview {
   residuals: Residuals | null;
   error: number | null;
   parameters: Record<string, { value: number | null; sigma?: number | null } | number>;
-  how: "linear" | "fit" | "fitting" | "failed";
+  how: "linear" | "first" | "fit" | "fitting" | "failed";
   why?: string;
 }
 
@@ -108,7 +108,7 @@ async function fetchPreview(name: string, again = false): Promise<void> {
   try {
     const answer = await api.preview(now.version, name, now.rows.n);
     if (answer === null) return; // Being fitted; an event comes when it is there.
-    if (answer.how === "linear" && previews.value.get(key)?.how === "fit") return; // An answer that was overtaken.
+    if (answer.how !== "fit" && previews.value.get(key)?.how === "fit") return; // An answer that was overtaken.
     previews.value = new Map(previews.value).set(key, { ...answer, effect: name });
   } catch (error) {
     previews.value = new Map(previews.value).set(key, { effect: name, residuals: null, error: null, parameters: {}, how: "failed",

@@ -61,7 +61,7 @@ function Context() {
             ))}
           </span>
           <span class="quiet" role="status">{shown.how === "fitting" ? "fitting …" : shown.how === "linear" ? "by one linear step"
-            : shown.how === "failed" ? shown.why : "fitted"}</span>
+            : shown.how === "first" ? "a first estimate" : shown.how === "failed" ? shown.why : "fitted"}</span>
           {help && <p class="small quiet what">{help}</p>}
         </div>
         <div class="actions">

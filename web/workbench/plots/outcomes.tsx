@@ -4,7 +4,7 @@ import { signal } from "@preact/signals";
 import { useCallback, useEffect, useMemo } from "preact/hooks";
 import { Figure } from "../../shared/figure";
 import { number, splitUnit, words } from "../../shared/format";
-import { palette } from "../../shared/palette";
+import { inkName, palette } from "../../shared/palette";
 import * as api from "../api";
 import type { Residuals, Rows } from "../rows";
 import { choose, selection } from "../selection";
@@ -111,7 +111,7 @@ function PredictedAndSeen({ rows, first, second, value, values }: SeenProps) {
       title={<>
         <Select label="Value of runs" value={value} all={values} onChange={(next) => (chosenValue.value = next)} />{" "}
         <span class="quiet">predicted and seen</span></>}
-      sentence={`Black was measured, with two of its errors; orange is what the runs of the model give${after ? ", blue those with the preview" : ""
+      sentence={`${inkName()} was measured, with two of its errors; orange is what the runs of the model give${after ? ", blue those with the preview" : ""
       }. The farthest is ${label(most)}: ${number(Math.abs(most.off), 2)} of both errors off.`} />
   );
 }

@@ -3,7 +3,7 @@ import { useCallback, useMemo } from "preact/hooks";
 import type { Box } from "../../shared/brush";
 import type { Frame } from "../../shared/figure";
 import { number, quantile } from "../../shared/format";
-import { palette } from "../../shared/palette";
+import { inkName, palette } from "../../shared/palette";
 import { SeriesFigure } from "../../shared/series";
 import type { Line, Series } from "../../shared/types";
 import { paintChosen } from "../paint";
@@ -50,7 +50,7 @@ export function ServoPlots({ view }: { view: View }) {
     <>
       <SeriesFigure plot={overTime} names={names} tools={<TrackChoice tracks={tracks} shown={track} />}
         onBrush={useCallback(within(time, measured, "time"), [track])} paint={useCallback(marks(time, measured), [track, chosen])}
-        sentence={`Black was measured; dashes are the command; orange is what the model predicts${second
+        sentence={`${inkName()} was measured; dashes are the command; orange is what the model predicts${second
           ? `, blue with the preview, which misses by ${size} rad root mean square` : `, which misses by ${size} rad root mean square`}.`} />
       <SeriesFigure plot={phase} names={names} onBrush={useCallback(within(measured, rate, "angle"), [track, rate])}
         paint={useCallback(marks(measured, rate), [track, rate, chosen])}

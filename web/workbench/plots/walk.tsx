@@ -4,7 +4,7 @@ import { useCallback, useMemo } from "preact/hooks";
 import type { Box } from "../../shared/brush";
 import { Figure, type Frame } from "../../shared/figure";
 import { number, quantile } from "../../shared/format";
-import { palette } from "../../shared/palette";
+import { inkName, palette } from "../../shared/palette";
 import { SeriesFigure } from "../../shared/series";
 import type { Series } from "../../shared/types";
 import { paintChosen, paintPath } from "../paint";
@@ -46,7 +46,7 @@ function FromAbove({ view: { rows, before, after }, track, tracks }: { view: Vie
     paintChosen(context, frame, x, y, chosen.mask, palette.pink, track.rows), [track, chosen]);
   return (
     <SeriesFigure plot={plot} names={names} tools={<TrackChoice tracks={tracks} shown={track} />} onBrush={onBrush} paint={paint}
-      sentence={`Black was measured, orange is what the model predicts from the start that fits best: it misses by ${
+      sentence={`${inkName()} was measured, orange is what the model predicts from the start that fits best: it misses by ${
         number(sizeOf(track, before, channels))} m${after ? `, blue with the preview, by ${
         number(sizeOf(track, after, channels))} m` : ""}, root mean square. Dots mark the starts.`} />
   );
