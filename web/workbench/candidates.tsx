@@ -59,8 +59,9 @@ export function Candidates() {
         <Progress search={search} />
       </header>
       {search.trouble && !version.value?.trouble && <p class="trouble" role="alert">{search.trouble}</p>}
-      <p class="hint" title={search.ordered_by}>Ordered by likelihood, less a price for each parameter; % of the misfit beyond the noise
-        that goes. <span class="by-mouse">Point to preview, Enter adds.</span><span class="by-touch">Tap to preview.</span></p>
+      <p class="hint" title={search.ordered_by}>{hasEnded(search) ? "Where both help, what moves the mean goes before what only widens the noise. "
+        : "The order is not final until the search has judged. "}Ordered by likelihood, less a price for each parameter; % of the misfit
+        beyond the noise that goes. <span class="by-mouse">Point to preview, Enter adds.</span><span class="by-touch">Tap to preview.</span></p>
       <List blocks={[...blocksOf(strong, search.ties), ...(allShown.value ? blocksOf(weak, search.ties) : [])]}
         strong={strong.length} none={hasEnded(search) ? "No effect of the catalogue brings a gain that noise would not."
           : all.length > 0 ? "None so far brings a gain that noise would not." : "None is tested yet."} />
