@@ -122,6 +122,17 @@ inline constexpr double kMostOutliers = 0.1;
 // judgement: two rounds are the rule.
 inline constexpr int kOutlierRounds = 3;
 
+// ---- Doubted although found ---------------------------------------------------------------------
+
+// Effects cancel each other where all of them together move predictions by less than this share of
+// what one moves alone. Of two effects of random sizes that act alike one pair in eleven does so.
+// A judgement.
+inline constexpr double kCancelled = 0.25;
+// A value that one group moves by more than so many of its errors, and by so many standard
+// deviations of what chance lets its information move it (in one of a million cases), is that
+// group's.
+inline constexpr double kManyErrors = 3, kManyScatters = 5;
+
 // ---- Which comes first --------------------------------------------------------------------------
 
 // Two explanations within this many units count as equally good: a likelihood ratio of 100 to 1.

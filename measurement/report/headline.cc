@@ -79,20 +79,22 @@ std::string unnamed_text(const SearchResult& result) {
          formula_sentence(result) + mimics_text(result);
 }
 
-// What is missing, for sure, and what fits best where its range ends: there the true cause may be
-// another one.
+// What is missing, for sure, and what fits best and is doubted: there the true cause may be another
+// one.
 std::string steps_text(const SearchResult& result) {
   std::vector<std::string> sure, doubtful, noises;
   const std::vector<std::string> unknown = noises_of_unknown_cause(result);
   const Step* most = nullptr;
   for (const Step& step : result.steps) {
-    if (std::find(unknown.begin(), unknown.end(), step.effect) != unknown.end()) {
+    const bool noise = std::find(unknown.begin(), unknown.end(), step.effect) != unknown.end();
+    if (noise && step.doubts.empty()) {
       noises.push_back(fmt::format("{} ({} x noise)", step.effect, two_digits(step.moved)));
       continue;
     }
-    const std::string bounds = values_at_bound(result.best.assessment, step.effect);
-    if (!bounds.empty()) doubtful.push_back(fmt::format("{} ({})", step.effect, bounds));
-    if (!bounds.empty()) continue;
+    if (!step.doubts.empty()) {
+      doubtful.push_back(fmt::format("{} ({})", step.effect, fmt::join(step.doubts, "; ")));
+      continue;
+    }
     sure.push_back(step.effect);
     if (most == nullptr || step.moved > most->moved) most = &step;
   }
@@ -102,10 +104,8 @@ std::string steps_text(const SearchResult& result) {
                                 fmt::join(sure, ", "), sure.size() == 1 ? "is" : "are",
                                 sure.size() == 1 ? "it" : most->effect, two_digits(most->moved)));
   if (!doubtful.empty())
-    parts.push_back(fmt::format(
-        "{} {} best at the end of {} range, which is no cause established: look for another",
-        fmt::join(doubtful, ", "), doubtful.size() == 1 ? "fits" : "fit",
-        doubtful.size() == 1 ? "its" : "their"));
+    parts.push_back(fmt::format("{} fits best, which establishes no cause: look for another",
+                                fmt::join(doubtful, " with ")));
   if (!noises.empty())
     parts.push_back(fmt::format("noise of unknown cause: {}", fmt::join(noises, ", ")));
   return fmt::format("{}", fmt::join(parts, "; "));

@@ -264,6 +264,7 @@ std::string discover_text(const Problem& problem, const SearchResult& result,
     text += fmt::format("  + {:24s} {:.4f} -> {:.4f}   {}\n", step.effect, step.error_before,
                         step.error_after, told_values(result.best.assessment, step.effect));
     if (step.error_after > kSameError * step.error_before) text += rise_text(result, step);
+    for (const std::string& doubt : step.doubts) text += fmt::format("      doubted: {}\n", doubt);
     for (const std::string& other : step.indistinguishable_from)
       text += fmt::format("      not separated from {} by these data\n", other);
   }

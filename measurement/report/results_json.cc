@@ -346,7 +346,8 @@ std::string discover_json(const Problem& problem, const SearchResult& result,
                      {"parameters_when_added", parameters_json(step.after, step.effect)},
                      {"error_before", finite_or_null<ordered_json>(step.error_before)},
                      {"error_after", finite_or_null<ordered_json>(step.error_after)},
-                     {"indistinguishable_from", step.indistinguishable_from}});
+                     {"indistinguishable_from", step.indistinguishable_from},
+                     {"doubts", step.doubts}});
   }
   json["steps"] = steps;
   json["kept"] = kept_json(result);

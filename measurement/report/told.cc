@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measurement/judge/doubted.h"
 #include "measurement/judge/material.h"
 #include "measurement/problem/neighbour.h"
 #include "sim_core/base/error.h"
@@ -68,12 +69,6 @@ std::string two_digits(double value) {
   return size >= 99.5 && size < kLong ? fmt::format("{:.0f}", value) : fmt::format("{:.2g}", value);
 }
 
-bool is_at_bound(const effects::Parameter& parameter, double value) {
-  // An infinite limit is no end of a range: the effect is absent there.
-  const bool at_end = value <= parameter.min || value >= parameter.max;
-  return at_end && std::isfinite(value) && value != parameter.neutral;
-}
-
 std::string told_value(const effects::Parameter& parameter, const effects::ParameterValue& value) {
   constexpr double kSmall = 0.1;
   if (!value.sigma && !value.free) return fmt::format("{:.6g}", value.value);
@@ -117,19 +112,6 @@ std::string told_values(const Assessment& assessment, const std::string& effect)
       if (std::isfinite(assessment.fit.sigma[*k])) value.sigma = assessment.fit.sigma[*k];
     }
     texts.push_back(parameter.name + " = " + told_value(parameter, value));
-  }
-  return fmt::format("{}", fmt::join(texts, ", "));
-}
-
-std::string values_at_bound(const Assessment& assessment, const std::string& effect) {
-  std::vector<std::string> texts;
-  for (const Unknown& unknown : assessment.unknowns) {
-    if (unknown.effect != effect) continue;
-    const effects::ModelEffect& entry = *assessment.model.find(effect);
-    const effects::Parameter& parameter = entry.definition->parameters[unknown.parameter];
-    const double value = entry.parameters[unknown.parameter].value;
-    if (is_at_bound(parameter, value))
-      texts.push_back(fmt::format("{} = {:.6g}", parameter.name, value));
   }
   return fmt::format("{}", fmt::join(texts, ", "));
 }

@@ -22,11 +22,6 @@ std::string told_value(const Model& model, const std::string& name,
 // "k1 = 0.0021 +- 3e-05, k2 = not determined (+- 200)".
 std::string told_values(const Assessment& assessment, const std::string& effect);
 
-// Whether the value lies at an end of its range other than neutral.
-bool is_at_bound(const effects::Parameter& parameter, double value);
-// The fitted values of an effect that do, as "forward_m = 0.01"; empty: none.
-std::string values_at_bound(const Assessment& assessment, const std::string& effect);
-
 // "mean of u_px varies with row x pan rate".
 std::string told_structure(const Facts& facts, const Structure& structure);
 // One line each, the strongest first, at most eight: with strength, noise units and p.

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "measurement/judge/doubted.h"
 #include "measurement/problem/made_problem.h"
 #include "measurement/report/headline.h"
 #include "measurement/report/results.h"
@@ -127,12 +128,14 @@ TEST(Headline, CallsNothingMissingThatStandsAtABound) {
     result.best.assessment.model = made_model(effect, {value});
     result.best.assessment.unknowns = {{"pupil", 0}};
     result.steps = {{.effect = "pupil", .moved = 2}};
+    result.steps[0].doubts = doubts_of(room, result.best.assessment, {"pupil"})[0];
     return headline(room, result, 0);
   };
   EXPECT_NE(found(0.003).find("What matters: pupil is missing; it moves predictions by 2 x noise"),
             std::string::npos);
   EXPECT_EQ(found(0.01).find("is missing"), std::string::npos) << found(0.01);
-  EXPECT_NE(found(0.01).find("pupil (forward_m = 0.01) fits best at the end of its range"),
+  EXPECT_NE(found(0.01).find("pupil (forward_m = 0.01 is at the end of its range) fits best, which "
+                             "establishes no cause: look for another"),
             std::string::npos)
       << found(0.01);
 }

@@ -5,6 +5,7 @@
 
 #include "effects/questions.h"
 #include "measurement/fitting/group_scatter.h"
+#include "measurement/judge/doubted.h"
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/search/choice.h"
 #include "measurement/search/kept.h"
@@ -265,17 +266,19 @@ void leave_to_traces(const Problem& problem, SearchResult& result) {
   result.remaining.erase(gone, result.remaining.end());
 }
 
-// Whether a step fits best where its range ends, other than at nothing: whatever is there would
-// have it go on.
-bool ends_at_bound(const SearchResult& result) {
-  const Assessment& best = result.best.assessment;
-  for (size_t k = 0; k < best.unknowns.size() && k < best.fit.at_bound.size(); ++k) {
-    const bool is_step =
-        std::any_of(result.steps.begin(), result.steps.end(),
-                    [&](const Step& step) { return step.effect == best.unknowns[k].effect; });
-    if (is_step && best.fit.at_bound[k] && best.fit.value[k] != 0) return true;
+// Says of each step what speaks against it; returns whether anything does.
+bool doubt_steps(const Problem& problem, SearchResult& result) {
+  Assessment stated = result.best.assessment;
+  widen_by_group_scatter(problem, kMisfit, stated);
+  std::vector<std::string> named;
+  for (const Step& step : result.steps) named.push_back(step.effect);
+  const auto doubts = doubts_of(problem, stated, named);
+  bool any = false;
+  for (size_t k = 0; k < named.size(); ++k) {
+    any = any || !doubts[k].empty();
+    result.steps[k].doubts = doubts[k];
   }
-  return false;
+  return any;
 }
 
 }  // namespace
@@ -292,8 +295,8 @@ void give_verdict(const Problem& problem, const SplitStructure& of_base, SearchR
   const bool has_error = std::isfinite(result.best.assessment.error);
   const bool structure_left =
       !result.remaining.empty() && (has_mean_structure(result.remaining) || !first_found);
-  if (!has_error || result.unnamed || !result.mimics.empty() || structure_left ||
-      ends_at_bound(result)) {
+  const bool doubted = doubt_steps(problem, result);
+  if (!has_error || result.unnamed || !result.mimics.empty() || structure_left || doubted) {
     result.verdict = "unexplained_structure";
   } else {
     result.verdict = result.steps.empty() ? "adequate" : "missing_effect";

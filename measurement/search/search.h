@@ -21,6 +21,7 @@ struct Step {
   double error_after = 0;
   double moved = 0;  // By how many noise units it moves predictions.
   std::vector<std::string> indistinguishable_from;
+  std::vector<std::string> doubts;  // Why it is no cause established, whatever it gains.
 };
 
 // A trace that stays in the model, since a value is told wrong without it (kept.h).

@@ -260,6 +260,27 @@ void JointsProblem::whiten_wander(const effects::Noise& noise, const Groups& gro
   errors.whiten(facts_, evaluation);
 }
 
+// An error that wanders is whitened in a column as it is in the residuals: a function of what the
+// joint does is told from it.
+std::vector<std::vector<double>> JointsProblem::following(
+    const Model& model, const Groups& groups, const Evaluation& here,
+    std::vector<std::vector<double>> columns) const {
+  const effects::Noise noise = effects::noise_of(model);
+  const auto [sigma, rounded] = reading_of(model);
+  if (noise.joint.empty() || rounded)
+    return Problem::following(model, groups, here, std::move(columns));
+  Evaluation made{.sigma = std::vector<double>(facts_.scalars(), sigma)};
+  for (std::vector<double>& column : columns) {
+    made.residual = std::move(column);
+    for (size_t i = 0; i < made.residual.size(); ++i) made.residual[i] *= here.sigma[i];
+    made.sigma.assign(facts_.scalars(), sigma);
+    whiten_diagonal(*this, groups, made);
+    whiten_wander(noise, groups, made);
+    column = std::move(made.whitened);
+  }
+  return columns;
+}
+
 namespace {
 
 using Shows = std::function<bool(const JointLog&)>;

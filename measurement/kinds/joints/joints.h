@@ -104,6 +104,9 @@ class JointsProblem : public Problem {
   std::vector<char> find_outliers(const Model& model) const override;
   // At each joint's angle and rate as the model predicts them: what repeats over the turn.
   std::vector<FieldPlace> field_places(const Model& model, const Evaluation& here) const override;
+  std::vector<std::vector<double>> following(
+      const Model& model, const Groups& groups, const Evaluation& here,
+      std::vector<std::vector<double>> columns) const override;
   // A fall, a drive, and a duty that may saturate.
   std::vector<Groups> regimes() const override;
 

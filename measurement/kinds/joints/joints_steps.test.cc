@@ -90,6 +90,32 @@ TEST(JointSteps, AWanderIsNoLikelierThanTheStepsThatMadeIt) {
             likelihood_of(fast + "  joint_wander: {sigma_rad: 0.0015, tau_s: 0.9}\n") + 10);
 }
 
+// What another servo changes is whitened by the wander as the residuals are.
+TEST(JointWander, WhitensAColumnAsTheResiduals) {
+  const auto servo = [](double stall_rad_per_s2) {
+    return model_of(
+        fmt::format("  motor_servo: {{stall_rad_per_s2: {}, back_emf_per_s: 10, gain: 0.3}}\n"
+                    "  joint_wander: {{sigma_rad: 0.003, tau_s: 0.5}}\n",
+                    stall_rad_per_s2));
+  };
+  const Model model = servo(200);
+  const JointsProblem problem = MadeSet("motor-wander-column").made_by(model, 3);
+  const Groups all = problem.all_groups();
+  const Evaluation here = problem.evaluate(model, all, nullptr),
+                   there = problem.evaluate(servo(210), all, nullptr);
+  std::vector<double> column(here.residual.size());
+  for (size_t i = 0; i < column.size(); ++i)
+    column[i] = (there.residual[i] - here.residual[i]) / here.sigma[i];
+  const auto followed = problem.following(model, all, here, {column});
+  ASSERT_EQ(followed.size(), 1u);
+  double most = 0;
+  for (size_t i = 0; i < column.size(); ++i) {
+    EXPECT_NEAR(followed[0][i], there.whitened[i] - here.whitened[i], 1e-6) << i;
+    most = std::max(most, std::abs(followed[0][i]));
+  }
+  EXPECT_GT(most, 0.1);
+}
+
 // Logs of a joint that follows its command with a lag, rounded to steps, in digits of many files.
 constexpr double kDegreesOfRadian = 180 / std::numbers::pi, kLoggedNoise_rad = 4e-4,
                  kTrueLag_s = 0.06;
