@@ -77,9 +77,22 @@ def room(folder):
     return "  pinhole: {fx_px: 161.9, fy_px: 162.5, cx_px: 88.5, cy_px: 71.5}\n"
 
 
+def flats(folder):
+    """Flat fields of seven levels, eight frames each."""
+    levels = (0, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85)
+    rows = [f"{i},{i}.png,{0.04 * i:.2f},0.005,{levels[i % len(levels)]}" for i in range(8 * len(levels))]
+    (folder / "frames.csv").write_text("frame,file,time_s,exposure_s,illumination\n" + "\n".join(rows) + "\n")
+    (folder / "measurement.yaml").write_text(
+        "format: seam-measurement/1\nkind: photometry\ntitle: Flats\ncamera: {width_px: 32, height_px: 24, channels: grey, bits: 12}\n"
+        "group: frame\nfiles: {frames: frames.csv}\n")
+    return ("  linear_response: {gain_dn: {value: 4000, free: true}, black_dn: {value: 100, free: true}}\n"
+            "  read_noise: {sigma_dn: {value: 3, free: true}}\n  shot_noise: {electrons_per_dn: {value: 2, free: true}}\n")
+
+
 CASES = {"latency": (room, "frame_latency", "latency_s"), "rows": (room, "rolling_shutter", "line_delay_s"),
          "servo": (servo, "encoder_scale", None), "walk": (walk, "heading_drift", "rad_per_m"),
-         "range": (landmarks, "range_scale", "scale"), "noise": (landmarks, "bearing_noise", "sigma_rad")}
+         "range": (landmarks, "range_scale", "scale"), "noise": (landmarks, "bearing_noise", "sigma_rad"),
+         "light": (flats, "uneven_lighting", "gx")}
 
 
 class Case:

@@ -182,6 +182,34 @@ class Plan(unittest.TestCase):
         for name, planned in self.effect("pinhole", plan)["parameters"].items():
             self.assertAlmostEqual(planned["sigma"] / own["pinhole." + name]["sigma"], 1, delta=0.15, msg=name)
 
+    def test_flat_fields_are_known_as_their_formulas_say(self):
+        protocol = self.folder / "flats"
+        protocol.mkdir()
+        model = self.folder / "flats.yaml"
+        model.write_text("format: seam-model/1\nname: made\neffects:\n" + plan_check.flats(protocol).replace(
+            "  shot_noise: {electrons_per_dn: {value: 2, free: true}}\n", ""), encoding="utf-8")
+        result = self.folder / "flats.json"
+        code, text = seam("plan", "--model", model, "--protocol", protocol, "--json", result,
+                          "--effects", "linear_response,read_noise,uneven_lighting,lamp_fluctuation,hot_pixels")
+        self.assertEqual(code, 0, text)
+        plan = json.loads(result.read_text(encoding="utf-8"))
+        # Without photons all values of the fitted frames have one noise, which rounding adds to.
+        values, noise = 32 * 24 * 56, math.sqrt(3 ** 2 + 1 / 12)
+        read = self.effect("read_noise", plan)["parameters"]["sigma_dn"]["sigma"]
+        fitted = (noise ** 2 / 3 / read) ** 2 / 2 / values
+        self.assertTrue(0.6 < fitted < 0.8, fitted)
+        levels = (0, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85)
+        about_mean = sum(light ** 2 for light in levels) / 7 - (sum(levels) / 7) ** 2
+        gain = self.effect("linear_response", plan)["parameters"]["gain_dn"]["sigma"]
+        self.assertAlmostEqual(gain / (noise / math.sqrt(fitted * values * about_mean)), 1, delta=0.1)
+        light = self.effect("uneven_lighting", plan)
+        self.assertGreater(light["smallest_found"]["gx"], 4 * light["parameters"]["gx"]["sigma"])
+        self.assertIsNone(light["ties"])
+        self.assertEqual({n["effect"] for n in plan["not_planned"]}, {"lamp_fluctuation", "hot_pixels"}, text)
+        self.assertEqual([c["change"] for c in plan["changes"]], ["twice as many frames", "four times as many frames"])
+        more = self.effect("read_noise", plan["changes"][1])["parameters"]["sigma_dn"]["sigma"]
+        self.assertAlmostEqual(more / read, 0.5, delta=0.03)
+
     def test_what_is_wrong_is_told(self):
         def refused(code, said, *arguments):
             given = seam("plan", "--model", NOMINAL, *arguments)

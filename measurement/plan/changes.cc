@@ -62,6 +62,31 @@ std::vector<double> wider(const CsvTable& table, double factor) {
   return values;
 }
 
+// Rows with names of their own for each repetition, after each other in time.
+void write_repeated(const CsvTable& table, const std::string& group, int repeats,
+                    const std::filesystem::path& path) {
+  const std::vector<double> times_s = table.numbers("time_s");
+  const double rows = static_cast<double>(std::max<size_t>(2, times_s.size()));
+  const auto [first, last] = std::minmax_element(times_s.begin(), times_s.end());
+  const double period_s = (*last - *first) * rows / (rows - 1);
+  CsvWriter writer(table.columns());
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    for (size_t row = 0; row < table.rows(); ++row) {
+      std::vector<std::string> cells;
+      for (const std::string& column : table.columns()) {
+        std::string& cell = cells.emplace_back(table.cell(row, column));
+        if (column == "time_s") cell = fmt::format("{:.9f}", times_s[row] + repeat * period_s);
+        if (repeat == 0) continue;
+        if (column == group) cell += fmt::format("-{}", repeat + 1);
+        if (column == "file")
+          cell.insert(std::min(cell.rfind('.'), cell.size()), fmt::format("-{}", repeat + 1));
+      }
+      writer.row(cells);
+    }
+  }
+  writer.write(path);
+}
+
 }  // namespace
 
 bool needs_its_measurements(const MeasurementSet& protocol) {
@@ -88,6 +113,8 @@ void write_changed(const MeasurementSet& protocol, const ProtocolChange& change,
   for (const auto& [name, file] : copy.files) {
     if (!file.ends_with(kTable)) continue;
     const CsvTable table = copy.table(name);
+    if (change.repeats != 1 && table.has("file"))
+      write_repeated(table, copy.group, static_cast<int>(change.repeats), copy.file(name));
     if (change.faster != 1 && table.has("time_s"))
       write_table_with(table, {"time_s"}, {faster(table, first_s, change.faster)}, copy.file(name));
     if (change.wider != 1 && table.has("command_rad"))

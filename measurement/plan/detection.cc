@@ -181,7 +181,7 @@ bool Detection::is_found(const Draw& draw, double scale) const {
     held += after.by_group.back();
   }
   // Where each group is left out in turn, all are fitted together, too.
-  const double total = draw.trained.at(scale) + (look_.in_turn() ? 0 : held);
+  const double total = look_.together * (draw.trained.at(scale) + (look_.in_turn() ? 0 : held));
   const double p_value =
       chi2_tail(2 * total / draw.misfit, static_cast<double>(own_)) * look_.looks;
   if (p_value >= kCandidateAlarm || (blurs_ && total < kAnyPrice)) return false;

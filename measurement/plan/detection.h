@@ -22,6 +22,9 @@ struct EffectLook {
   PartInformation trained;
   // By channel the held-out J'J over their number of residuals: how far predictions move.
   std::vector<Eigen::MatrixXd> movement;
+  // The share of what the parts say one by one that they say together: a pattern that groups have
+  // in common is seen once.
+  double together = 1;
   double residuals = 0;  // Held out; 0: so many that their error is 1.
   double looks = 1;      // Looks at the whole catalogue, for the correction of p-values.
   double material = 0;   // The least change of predictions that counts, in noise units.

@@ -5,9 +5,9 @@
 #include <limits>
 
 #include "effects/registry.h"
-#include "measurement/fitting/parameter_space.h"
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/numerics/regression.h"
+#include "measurement/plan/planned_value.h"
 #include "sim_core/base/error.h"
 #include "sim_core/system/work_tally.h"
 
@@ -19,7 +19,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMostScale = 1e4;
 
 // Parts of a plan without linear columns, in words that follow a name.
-std::string why_not_planned(const Prospect& prospect) {
+std::string why_not_planned(const Prospect& prospect, const Facts& facts, bool by_likelihood) {
   const EffectDefinition& effect = *prospect.effect;
   if (effect.draws_estimated) return "its draws are estimated with it: seam study";
   if (has_counts(effect))
@@ -27,20 +27,15 @@ std::string why_not_planned(const Prospect& prospect) {
   if (!effect.has_neutral) return "it replaces another effect: seam study";
   if (!prospect.companions.empty())
     return "it needs " + prospect.companions.front()->name + ": plan with a model that has it";
+  if (by_likelihood && effect.spread_only)
+    return "what it gains is no square of its size: seam study";
+  using effects::StartSearch;
+  const StartSearch search = effects::start_rule(effect, facts.set.kind).search;
+  if (by_likelihood && search != StartSearch::slope && search != StartSearch::listed)
+    return "its fit begins where the data lead it: seam study";
   if (prospect.starts.size() > kMostStartsOfOneValley)
     return "its fit has several local optima: seam study";
   return "";
-}
-
-double neutral_of(const Coordinate& c) {
-  return c.parameter->fit_reciprocal ? 0 : c.parameter->neutral;
-}
-
-// The standard error of a value, from that of its coordinate, with what its resolution adds.
-double error_of_value(const Coordinate& coordinate, double slope, double error) {
-  const double resolution = coordinate.parameter->resolution;
-  const double sigma = std::abs(slope) * error;
-  return std::isfinite(sigma) ? std::sqrt(sigma * sigma + resolution * resolution / 12) : kInfinity;
 }
 
 Weight grown(const Weight& weight, double by) {
@@ -67,17 +62,13 @@ Planner::Planner(Problem& problem, const Model& model, const PlanOptions& option
   problem.check_model(model);
   base_.assessment = assess_fixed(problem, model);
   base_.assessment.unknowns = refitted_unknowns(model);
-  std::erase_if(base_.assessment.unknowns, [&](const Unknown& unknown) {
-    return model.find(unknown.effect)->definition->spread_only;
-  });
   here_ = problem.evaluate(model, problem.all_groups());
-  if (here_.whitened.empty())
-    throw InputError(
-        fmt::format("{}: found kind {}, for which seam plan has no method, since its likelihood is "
-                    "of sums over "
-                    "images: use seam measure and seam diagnose, or seam study",
-                    problem.facts().file, problem.facts().kind()));
-  if (!here_.valid)
+  by_likelihood_ = here_.whitened.empty();
+  // Photons tell gain and noise together.
+  std::erase_if(base_.assessment.unknowns, [&](const Unknown& unknown) {
+    return !by_likelihood_ && model.find(unknown.effect)->definition->spread_only;
+  });
+  if (!here_.valid && !by_likelihood_)
     throw InputError(
         problem.facts().file +
         ": the model predicts no value for some rows of this protocol: expected one for each");
@@ -100,7 +91,7 @@ Planner::Planner(Problem& problem, const Model& model, const PlanOptions& option
   }
   parallel_for(seen_.size(), [&](size_t i) {
     Seen& seen = seen_[i];
-    if (!seen.why_not.empty()) return;
+    if (by_likelihood_ || !seen.why_not.empty()) return;
     const Evaluation there = problem.evaluate(seen.probe, problem.all_groups(), &here_);
     seen.columns = columns_of(seen, seen.probe, there, seen.why_not);
   });
@@ -134,7 +125,7 @@ void Planner::see(const Prospect& prospect) {
             .free = prospect.free,
             .probe = base_.assessment.model,
             .unknowns = base_.assessment.unknowns,
-            .why_not = why_not_planned(prospect)};
+            .why_not = why_not_planned(prospect, problem_.facts(), by_likelihood_)};
   // Spreads are told by the sizes of residuals, which values of the mean do not change.
   if (prospect.effect->spread_only) seen.unknowns.clear();
   if (seen.why_not.empty()) {
@@ -167,30 +158,6 @@ std::string Planner::why_not(const std::string& name) const {
     if (n.effect == name) return n.why;
   }
   return "it does not act on this set beside this model";
-}
-
-std::optional<Planner::Moved> Planner::moved(const Seen& seen, size_t parameter,
-                                             double away) const {
-  const std::string& name = seen.effect->name;
-  Model truth = base_.assessment.model;
-  truth.add_neutral(seen.effect);
-  const Coordinate coordinate(truth, {name, parameter});
-  coordinate.set(truth, neutral_of(coordinate) + away);
-  const Evaluation there = problem_.evaluate(truth, problem_.all_groups(), &here_);
-  if (!there.valid) return std::nullopt;
-  std::string why;
-  const Columns columns = columns_of(seen, truth, there, why);
-  if (!why.empty()) return std::nullopt;
-  const bool spread = seen.effect->spread_only;
-  Moved out{.shift = spread ? spread_shift_of(here_, there) : shift_of(here_, there)};
-  out.look = look_of(problem_, there, columns, out.shift, base_columns(seen), repeats_);
-  out.look.looks = looks_ * problem_.looks(base_.assessment.model, *seen.effect);
-  out.look.material = options_.material;
-  // What counts of a spread is the share by which standard deviations change.
-  for (auto& movement : out.look.movement) movement *= spread ? 0.5 : 1;
-  const size_t k = *index_of(seen.unknowns, {name, parameter});
-  out.sigma = error_of_value(coordinate, columns.slope[k], standard_errors(out.look)[k]);
-  return out;
 }
 
 Planner::Sized Planner::sized(const Seen& seen, size_t parameter) const {
@@ -270,23 +237,6 @@ PairGains Planner::gains(const std::string& effect, double size, const std::stri
           .other = {alike ? gain_beside(other_one, there->shift) : 0, other_one.free.size()}};
 }
 
-PlannedEffect Planner::of_model(const std::string& effect) const {
-  PlannedEffect out{.effect = effect, .in_model = true};
-  const Model& model = base_.assessment.model;
-  const std::vector<Unknown>& unknowns = base_.assessment.unknowns;
-  const Columns columns = columns_at(problem_, model, unknowns, here_);
-  const std::vector<double> none(here_.whitened.size(), 0);
-  const std::vector<double> errors =
-      standard_errors(look_of(problem_, here_, columns, none, unknowns.size(), repeats_));
-  for (size_t k = 0; k < unknowns.size(); ++k) {
-    if (unknowns[k].effect != effect) continue;
-    const Coordinate coordinate(model, unknowns[k]);
-    out.parameters.push_back({.name = coordinate.parameter->name,
-                              .sigma = error_of_value(coordinate, columns.slope[k], errors[k])});
-  }
-  return out;
-}
-
 // Why effects are not planned, one by one, and parameters of those that are.
 std::vector<NotTestable> Planner::told_once(const std::vector<NotTestable>& reasons,
                                             const std::vector<const Seen*>& planned) {
@@ -306,9 +256,29 @@ std::vector<NotTestable> Planner::told_once(const std::vector<NotTestable>& reas
   return told;
 }
 
+void Planner::look_at(const std::vector<const Seen*>& planned, Plan& plan) const {
+  const size_t first = plan.effects.size();
+  plan.effects.resize(first + planned.size());
+  const Work work("effects planned", planned.size());
+  parallel_for(planned.size(), [&](size_t i) {
+    PlannedEffect& out = plan.effects[first + i];
+    out.effect = planned[i]->effect->name;
+    std::optional<Sized> at;
+    for (const size_t parameter : planned[i]->free) {
+      Sized sized = this->sized(*planned[i], parameter);
+      out.parameters.push_back(sized.parameter);
+      if (!at && !sized.shift.empty()) at = std::move(sized);
+    }
+    if (at) out.ties = ties_of(*planned[i], *at);
+    work.done();
+  });
+}
+
 Plan Planner::plan() const {
-  Plan plan{
-      .residuals = count_used(problem_), .groups = problem_.facts().groups.size(), .looks = looks_};
+  Plan plan{.residuals = count_used(problem_),
+            .groups = problem_.facts().groups.size(),
+            .has_ties = !by_likelihood_,
+            .looks = looks_};
   const std::vector<std::string>& asked = options_.effects;
   const auto wanted = [&](const std::string& name) {
     return asked.empty() || std::find(asked.begin(), asked.end(), name) != asked.end();
@@ -343,21 +313,7 @@ Plan Planner::plan() const {
     if (!listed && find(name) == nullptr && !base_.assessment.model.has(name))
       plan.not_planned.push_back({name, "", why_not(name)});
   }
-  const size_t first = plan.effects.size();
-  plan.effects.resize(first + planned.size());
-  const Work work("effects planned", planned.size());
-  parallel_for(planned.size(), [&](size_t i) {
-    PlannedEffect& out = plan.effects[first + i];
-    out.effect = planned[i]->effect->name;
-    std::optional<Sized> at;
-    for (const size_t parameter : planned[i]->free) {
-      Sized sized = this->sized(*planned[i], parameter);
-      out.parameters.push_back(sized.parameter);
-      if (!at && !sized.shift.empty()) at = std::move(sized);
-    }
-    if (at) out.ties = ties_of(*planned[i], *at);
-    work.done();
-  });
+  look_at(planned, plan);
   return plan;
 }
 

@@ -3,10 +3,13 @@
 // (docs/plan.md).
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "measurement/fitting/parameter_space.h"
 #include "measurement/plan/information.h"
 #include "measurement/search/candidates.h"
 
@@ -34,7 +37,8 @@ struct PlannedEffect {
 
 struct Plan {
   size_t residuals = 0, groups = 0;
-  double looks = 0;  // Effects that a search would look at.
+  bool has_ties = true;  // Pairs were compared.
+  double looks = 0;      // Effects that a search would look at.
   std::vector<PlannedEffect> effects;
   std::vector<NotTestable> not_planned;
 };
@@ -42,6 +46,8 @@ struct Plan {
 struct PlanOptions {
   std::vector<std::string> effects;  // Empty: all that the model lacks.
   double material = kMaterial;
+  // The set that another model gives by the protocol, for kinds without normal equations.
+  std::function<std::unique_ptr<Problem>(const Model&)> made;
 };
 
 // How two effects differ in one set, where one of them is in truth.
@@ -53,12 +59,14 @@ struct PairGains {
 
 class Planner {
  public:
-  // `problem` is a set that the model gives by the protocol. Throws InputError where the kind has
-  // no normal equations.
+  // `problem` is a set that the model gives by the protocol.
   Planner(Problem& problem, const Model& model, const PlanOptions& options);
 
   // The same of so many sets like this one together.
   Planner repeated(double times) const;
+  // Whether more groups say as much more. Where the likelihood alone is known they may share what
+  // one shows, and pairs are not compared.
+  bool grows_with_groups() const { return !by_likelihood_; }
 
   Plan plan() const;
   // With `effect` at a size along its first parameter that is found.
@@ -98,9 +106,14 @@ class Planner {
     double sigma = 0;
   };
   std::optional<Moved> moved(const Seen& seen, size_t parameter, double away) const;
+  EffectLook look_at_truth(const Seen& seen, const Model& truth, size_t k, double away) const;
   Sized sized(const Seen& seen, size_t parameter) const;
   std::vector<PlannedTie> ties_of(const Seen& seen, const Sized& sized) const;
   double gain_beside(const Seen& other, const std::vector<double>& shift) const;
+  EffectLook look_at_model() const;
+  // d value by the coordinate of looks.
+  double slope_at(const Coordinate& coordinate, double z) const;
+  void look_at(const std::vector<const Seen*>& planned, Plan& plan) const;
   PlannedEffect of_model(const std::string& effect) const;
   static std::vector<NotTestable> told_once(const std::vector<NotTestable>& reasons,
                                             const std::vector<const Seen*>& planned);
@@ -109,6 +122,7 @@ class Planner {
   PlanOptions options_;
   Grown base_;
   Evaluation here_;
+  bool by_likelihood_ = false;  // Which is all that the kind has.
   double looks_ = 0;
   double repeats_ = 1;  // As many sets like this one together.
   std::vector<Seen> seen_;

@@ -24,7 +24,8 @@ std::string smallest(const PlannedEffect& effect, const PlannedParameter& parame
   return parameter.smallest_found ? number(*parameter.smallest_found) : "not in its bounds";
 }
 
-std::string ties_text(const PlannedEffect& effect) {
+std::string ties_text(const Plan& plan, const PlannedEffect& effect) {
+  if (!plan.has_ties) return "not computed";
   std::vector<std::string> ties;
   for (const PlannedTie& tie : effect.ties)
     ties.push_back(tie.apart_from
@@ -64,7 +65,7 @@ ordered_json effects_json(const Plan& plan) {
                     {"in_model", effect.in_model},
                     {"parameters", std::move(parameters)},
                     {"smallest_found", std::move(found)},
-                    {"ties", std::move(ties)}});
+                    {"ties", plan.has_ties ? std::move(ties) : ordered_json(nullptr)}});
   }
   return list;
 }
@@ -122,7 +123,7 @@ Table errors_table(const Plan& plan) {
     for (const PlannedParameter& p : effect.parameters) {
       const bool first = &p == &effect.parameters.front();
       table.rows.push_back({effect.effect, p.name, number(p.sigma), smallest(effect, p),
-                            first ? ties_text(effect) : ""});
+                            first ? ties_text(plan, effect) : ""});
     }
   }
   return table;

@@ -1,5 +1,6 @@
 // `seam plan`: what a measurement that was not made yet would say.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <filesystem>
 
@@ -56,29 +57,30 @@ class PlannedSets {
   std::unique_ptr<measurement::Problem> made() {
     if (measurement::needs_its_measurements(protocol_))
       return measurement::open_problem(protocol_.folder, instruments_);
-    return made_by(protocol_, next_folder());
+    return made_by(protocol_, model_);
   }
-  std::unique_ptr<measurement::Problem> made(const measurement::ProtocolChange& change) {
+  measurement::MeasurementSet changed(const measurement::ProtocolChange& change) {
     const std::filesystem::path folder = next_folder();
     measurement::write_changed(protocol_, change, folder / "protocol");
-    return made_by(measurement::MeasurementSet::open(folder / "protocol"), folder);
+    return measurement::MeasurementSet::open(folder / "protocol");
+  }
+  // What another model gives by a protocol; may be asked on several threads.
+  std::unique_ptr<measurement::Problem> made_by(const measurement::MeasurementSet& protocol,
+                                                const effects::Model& model) {
+    const std::filesystem::path folder = next_folder();
+    measurement::measure_set(model, protocol, {.seed = seed_, .out = folder / "set"}, instruments_);
+    return measurement::open_problem(folder / "set", instruments_);
   }
 
  private:
   std::filesystem::path next_folder() { return scratch_.path() / std::to_string(count_++); }
-  std::unique_ptr<measurement::Problem> made_by(const measurement::MeasurementSet& protocol,
-                                                const std::filesystem::path& folder) {
-    measurement::measure_set(model_, protocol, {.seed = seed_, .out = folder / "set"},
-                             instruments_);
-    return measurement::open_problem(folder / "set", instruments_);
-  }
 
   const effects::Model& model_;
   measurement::MeasurementSet protocol_;
   measurement::Instruments instruments_;
   uint64_t seed_ = 1;
   app::ScratchFolder scratch_;
-  size_t count_ = 0;
+  std::atomic<size_t> count_ = 0;
 };
 
 // The size of its first parameter from which a plan says that an effect is found.
@@ -103,8 +105,10 @@ void consider(const measurement::Planner& planner, const std::string& what, doub
 
 measurement::WholePlan planned(const PlanFlags& flags, const effects::Model& model) {
   PlannedSets sets(flags, model);
-  measurement::PlanOptions options{.effects = effects_in(flags.effects, "--effects"),
-                                   .material = flags.files.material};
+  measurement::PlanOptions options{
+      .effects = effects_in(flags.effects, "--effects"),
+      .material = flags.files.material,
+      .made = [&](const effects::Model& truth) { return sets.made_by(sets.protocol(), truth); }};
   const std::vector<std::string> pair = effects_in(flags.improve, "--improve");
   if (!flags.improve.empty() && pair.size() != 2)
     throw UsageError(
@@ -115,6 +119,8 @@ measurement::WholePlan planned(const PlanFlags& flags, const effects::Model& mod
   const auto problem = sets.made();
   say_work("planning");
   const measurement::Planner planner(*problem, model, options);
+  if (!pair.empty() && !planner.grows_with_groups())
+    throw UsageError("--improve: a plan of flat fields compares no pairs: seam study photometry");
   measurement::WholePlan whole{
       .title = problem->facts().title, .kind = problem->facts().kind(), .plan = planner.plan()};
   if (options.effects.empty()) return whole;
@@ -128,12 +134,15 @@ measurement::WholePlan planned(const PlanFlags& flags, const effects::Model& mod
   }
   for (const measurement::ProtocolChange& change : measurement::changes_of(sets.protocol())) {
     say_work("planning " + change.what);
-    if (change.repeats > 1) {
+    if (change.repeats > 1 && planner.grows_with_groups()) {
       whole.changes.push_back({change, planner.repeated(change.repeats).plan()});
       continue;
     }
-    const auto changed = sets.made(change);
-    const measurement::Planner there(*changed, model, options);
+    const measurement::MeasurementSet protocol = sets.changed(change);
+    const auto changed = sets.made_by(protocol, model);
+    measurement::PlanOptions its = options;
+    its.made = [&](const effects::Model& truth) { return sets.made_by(protocol, truth); };
+    const measurement::Planner there(*changed, model, its);
     whole.changes.push_back({change, there.plan()});
     if (improved) consider(there, change.what, change.cost, *improved);
   }

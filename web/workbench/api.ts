@@ -205,7 +205,7 @@ export const proposals = () => post<Proposals>("suggest");
 export interface PlanAnswer {
   headline?: string;
   effects: { effect: string; in_model?: boolean; parameters: Record<string, { sigma: number | null }>;
-    smallest_found: Record<string, number | null>; ties: { effect: string; apart_from: number | null }[] }[];
+    smallest_found: Record<string, number | null>; ties: { effect: string; apart_from: number | null }[] | null }[];
   changes?: { change: string; cost: number; effects: PlanAnswer["effects"] }[];
   not_planned?: { effect: string; parameter?: string; why: string }[];
 }

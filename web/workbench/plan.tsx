@@ -92,7 +92,7 @@ const rowsOf = (effects: api.PlanAnswer["effects"]) => effects.map((one) => ({ c
   <ul class="parameters num">{Object.entries(one.smallest_found).map(([name, size]) => (
     <li key={name}>{size === null ? <span class="quiet">no size</span> : <Rich text={withUnit(size, name)} />}</li>))}
     {Object.keys(one.smallest_found).length === 0 && <li class="quiet">{one.in_model ? "in the model" : "–"}</li>}</ul>,
-  one.ties.length > 0 ? one.ties.map((tie) => (
+  one.ties === null ? <span class="quiet">not computed</span> : one.ties.length > 0 ? one.ties.map((tie) => (
     <div key={tie.effect}><code>{tie.effect}</code>{tie.apart_from !== null && <span class="quiet"> below{" "}
       <Rich text={number(tie.apart_from)} /></span>}</div>)) : <span class="quiet">none</span>,
 ] }));
