@@ -1,6 +1,5 @@
 // `seam plan`: what a measurement that was not made yet would say.
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <filesystem>
 
@@ -64,15 +63,26 @@ class PlannedSets {
     measurement::write_changed(protocol_, change, folder / "protocol");
     return measurement::MeasurementSet::open(folder / "protocol");
   }
-  // What another model gives by a protocol; may be asked on several threads.
+  // What a model gives by a protocol.
   std::unique_ptr<measurement::Problem> made_by(const measurement::MeasurementSet& protocol,
                                                 const effects::Model& model) {
-    const std::filesystem::path folder = next_folder();
-    measurement::measure_set(model, protocol, {.seed = seed_, .out = folder / "set"}, instruments_);
-    return measurement::open_problem(folder / "set", instruments_);
+    return made_in(next_folder(), protocol, model);
+  }
+  // The same for looks on several threads: of a kind that holds all of a set in memory, whose files
+  // may be large.
+  std::unique_ptr<measurement::Problem> looked_at(const measurement::MeasurementSet& protocol,
+                                                  const effects::Model& model) {
+    const app::ScratchFolder scratch("plan-look");
+    return made_in(scratch.path(), protocol, model);
   }
 
  private:
+  std::unique_ptr<measurement::Problem> made_in(const std::filesystem::path& folder,
+                                                const measurement::MeasurementSet& protocol,
+                                                const effects::Model& model) const {
+    measurement::measure_set(model, protocol, {.seed = seed_, .out = folder / "set"}, instruments_);
+    return measurement::open_problem(folder / "set", instruments_);
+  }
   std::filesystem::path next_folder() { return scratch_.path() / std::to_string(count_++); }
 
   const effects::Model& model_;
@@ -80,7 +90,7 @@ class PlannedSets {
   measurement::Instruments instruments_;
   uint64_t seed_ = 1;
   app::ScratchFolder scratch_;
-  std::atomic<size_t> count_ = 0;
+  size_t count_ = 0;
 };
 
 // The size of its first parameter from which a plan says that an effect is found.
@@ -108,7 +118,7 @@ measurement::WholePlan planned(const PlanFlags& flags, const effects::Model& mod
   measurement::PlanOptions options{
       .effects = effects_in(flags.effects, "--effects"),
       .material = flags.files.material,
-      .made = [&](const effects::Model& truth) { return sets.made_by(sets.protocol(), truth); }};
+      .made = [&](const effects::Model& truth) { return sets.looked_at(sets.protocol(), truth); }};
   const std::vector<std::string> pair = effects_in(flags.improve, "--improve");
   if (!flags.improve.empty() && pair.size() != 2)
     throw UsageError(
@@ -141,7 +151,7 @@ measurement::WholePlan planned(const PlanFlags& flags, const effects::Model& mod
     const measurement::MeasurementSet protocol = sets.changed(change);
     const auto changed = sets.made_by(protocol, model);
     measurement::PlanOptions its = options;
-    its.made = [&](const effects::Model& truth) { return sets.made_by(protocol, truth); };
+    its.made = [&](const effects::Model& truth) { return sets.looked_at(protocol, truth); };
     const measurement::Planner there(*changed, model, its);
     whole.changes.push_back({change, there.plan()});
     if (improved) consider(there, change.what, change.cost, *improved);
