@@ -258,6 +258,7 @@ const std::vector<ExchangeFormat>& exchange_formats() {
        .text = ros_text},
       {.name = "mrcal",
        .help = "a .cameramodel",
+       .ending = ".cameramodel",
        .lenses = {pinhole, radtan, plumb_bob, rational, thin_prism},
        .text = mrcal_text},
       {.name = "kalibr",
@@ -268,11 +269,13 @@ const std::vector<ExchangeFormat>& exchange_formats() {
        .text = kalibr_text},
       {.name = "mjcf",
        .help = "a joint's and a position actuator's attributes for MuJoCo",
+       .ending = ".xml",
        .text_of_servo = mjcf_text,
        .holds_servo = mjcf_holds,
        .holds_gain = true},
       {.name = "urdf",
        .help = "a joint's dynamics and limits for a URDF",
+       .ending = ".xml",
        .text_of_servo = urdf_text,
        .holds_servo = urdf_holds},
       {.name = "kalibr-imu",
@@ -281,8 +284,21 @@ const std::vector<ExchangeFormat>& exchange_formats() {
       {.name = "vins-imu",
        .help = "the same for the YAML of VINS-Mono and VINS-Fusion: acc_n, gyr_n, acc_w, gyr_w",
        .text_of_imu = vins_imu_text},
-      {.name = "json", .help = "all of the model, with its sigmas", .text_of_all = json_text}};
+      {.name = "json",
+       .help = "all of the model, with its sigmas",
+       .ending = ".json",
+       .text_of_all = json_text}};
   return formats;
+}
+
+const ExchangeFormat& exchange_format_named(const std::string& name, const std::string& option) {
+  std::vector<std::string> names;
+  for (const ExchangeFormat& format : exchange_formats()) {
+    if (format.name == name) return format;
+    names.push_back(format.name);
+  }
+  throw UsageError(
+      fmt::format("{}: unknown format '{}'{}", option, name, suggestion_for(name, names)));
 }
 
 Exported export_model(const Model& model, const ExchangeFormat& format,

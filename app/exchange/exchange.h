@@ -42,6 +42,7 @@ struct PlainImu;  // imu_files.h
 struct ExchangeFormat {
   std::string name;  // Of `--to`.
   std::string help;
+  std::string ending = ".yaml";    // Of its files' names.
   std::vector<LensFamily> lenses;  // Simplest first.
   bool holds_line_delay = false;
   bool holds_time_shift = false;
@@ -58,6 +59,8 @@ struct ExchangeFormat {
 };
 
 const std::vector<ExchangeFormat>& exchange_formats();
+// Throws UsageError, which begins with the `option` that gave the name.
+const ExchangeFormat& exchange_format_named(const std::string& name, const std::string& option);
 
 struct ExportOptions {
   int width_px = 0, height_px = 0;  // Of the image; 0: twice the principal point.

@@ -17,7 +17,7 @@ bool is_at_bound(const effects::Parameter& parameter, double value);
 bool can_be_missed(const Model& model, const std::string& effect);
 
 // By named effect of the model why it is no cause established; empty where nothing speaks against
-// it. The errors of `best` are those that are told.
+// it. The errors of `best` are those that are stated.
 std::vector<std::vector<std::string>> doubts_of(const Problem& problem, const Assessment& best,
                                                 const std::vector<std::string>& named);
 

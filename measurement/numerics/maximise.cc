@@ -37,8 +37,8 @@ class Search {
       step_[i] = p.step;
     }
     start_ = z_;
-    told_ = !alike.empty();
-    if (told_) curvature_ = Eigen::Map<const MatrixXd>(alike.data(), n_, n_);
+    correlations_given_ = !alike.empty();
+    if (correlations_given_) curvature_ = Eigen::Map<const MatrixXd>(alike.data(), n_, n_);
     settled_ = std::all_of(parameters.begin(), parameters.end(),
                            [](const SearchParameter& p) { return p.step_fits; });
   }
@@ -51,11 +51,11 @@ class Search {
     DampedSteps steps(
         {.start = 1e-3, .shrink = 0.125, .least = 1e-9, .grow = 6, .firm = 1e-6, .attempts = 9});
     Maximum out;
-    bool misled = !told_;
+    bool misled = !correlations_given_;
     for (int iteration = 0; iteration < kMostSteps && n_ > 0; ++iteration) {
       // Parameters' correlations change little between most steps: they are measured at the start,
       // at the end, and where a step gained less than they promised.
-      derivatives(here, misled || (settled_ && !told_));
+      derivatives(here, misled || (settled_ && !correlations_given_));
       const double before = here;
       const bool accepted =
           steps.take(parabola(), {.promise = kNothing, .again = kNothing}, [&](const VectorXd& by) {
@@ -293,7 +293,7 @@ class Search {
   VectorXd used_ = VectorXd::Zero(n_), shifted_ = VectorXd::Zero(n_);
   MatrixXd curvature_;
   bool settled_ = false;
-  bool told_ = false;  // Correlations were given.
+  bool correlations_given_ = false;
 };
 
 }  // namespace

@@ -184,12 +184,12 @@ TEST(Maximise, CorrelationsOfPartOfTheDataSaveLooks) {
   };
   const Maximum measured = again({});
   const size_t all = looks;
-  const Maximum told = again(part.curvature);
+  const Maximum given = again(part.curvature);
   EXPECT_LE(looks + 12, all);  // Two looks for each of six pairs.
-  EXPECT_TRUE(told.converged);
+  EXPECT_TRUE(given.converged);
   for (size_t i = 0; i < parameters.size(); ++i) {
-    EXPECT_NEAR(told.value[i], measured.value[i], 0.01 * measured.sigma[i]);
-    EXPECT_NEAR(told.sigma[i], part.sigma[i] / 5, 1e-3 * part.sigma[i]);
+    EXPECT_NEAR(given.value[i], measured.value[i], 0.01 * measured.sigma[i]);
+    EXPECT_NEAR(given.sigma[i], part.sigma[i] / 5, 1e-3 * part.sigma[i]);
   }
 }
 

@@ -22,12 +22,12 @@ Columns columns_at(const Problem& problem, const Model& model, const std::vector
 // By what whitened residuals of the model `without` move where `with` is true.
 std::vector<double> shift_of(const Evaluation& without, const Evaluation& with);
 
-// Whether errors are normal and independent of each other, so that each residual tells of its own
-// spread alone.
+// Whether errors are normal and independent of each other, so that each residual depends on its
+// own spread alone.
 bool errors_are_independent(const Problem& problem, const Evaluation& here);
 
 // The same two of effects of spread, where errors are independent: by log sigma times the square
-// root of 2, of which a residual's square tells as much as a residual does of its mean.
+// root of 2, of which a residual's square has as much information as a residual has of its mean.
 Columns spread_columns_at(const Problem& problem, const Model& model,
                           const std::vector<Unknown>& unknowns);
 std::vector<double> spread_shift_of(const Evaluation& without, const Evaluation& with);

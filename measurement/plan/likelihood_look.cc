@@ -142,7 +142,7 @@ std::vector<PartInformation> parts_of(const Problem& made, const std::vector<Mat
   return parts;
 }
 
-// How far each unknown moves predictions, in noise of single values: as judge/material.cc tells it.
+// How far each unknown moves predictions, in noise of single values: as in judge/material.cc.
 MatrixXd movement_of_view(const Problem& made, const Differences& differences, const Score& held,
                           const Groups& groups, const VectorXd& way) {
   const std::string& channel = made.facts().channels.front().name;
@@ -161,8 +161,7 @@ MatrixXd movement_of_view(const Problem& made, const Differences& differences, c
     VectorXd column = VectorXd::Zero(static_cast<Index>(above.residual.size()));
     for (Index i = 0; i < column.size() && step != 0; ++i) {
       const auto at = static_cast<size_t>(i);
-      column[i] = (below.residual[at] - above.residual[at]) / noise;
-      column[i] /= step;
+      column[i] = (below.residual[at] - above.residual[at]) / noise / step;
     }
     columns.push_back(std::move(column));
   }

@@ -64,7 +64,7 @@ Planner::Planner(Problem& problem, const Model& model, const PlanOptions& option
   base_.assessment.unknowns = refitted_unknowns(model);
   here_ = problem.evaluate(model, problem.all_groups());
   by_likelihood_ = here_.whitened.empty();
-  // Photons tell gain and noise together.
+  // Photon noise depends on the gain, too.
   std::erase_if(base_.assessment.unknowns, [&](const Unknown& unknown) {
     return !by_likelihood_ && model.find(unknown.effect)->definition->spread_only;
   });
@@ -126,7 +126,7 @@ void Planner::see(const Prospect& prospect) {
             .probe = base_.assessment.model,
             .unknowns = base_.assessment.unknowns,
             .why_not = why_not_planned(prospect, problem_.facts(), by_likelihood_)};
-  // Spreads are told by the sizes of residuals, which values of the mean do not change.
+  // Spreads are estimated from the sizes of residuals, which values of the mean do not change.
   if (prospect.effect->spread_only) seen.unknowns.clear();
   if (seen.why_not.empty()) {
     seen.probe.add_neutral(prospect.effect);
@@ -238,22 +238,22 @@ PairGains Planner::gains(const std::string& effect, double size, const std::stri
 }
 
 // Why effects are not planned, one by one, and parameters of those that are.
-std::vector<NotTestable> Planner::told_once(const std::vector<NotTestable>& reasons,
+std::vector<NotTestable> Planner::each_once(const std::vector<NotTestable>& reasons,
                                             const std::vector<const Seen*>& planned) {
-  std::vector<NotTestable> told;
+  std::vector<NotTestable> listed;
   for (const NotTestable& reason : reasons) {
     const bool is_planned = std::ranges::any_of(
         planned, [&](const Seen* seen) { return seen->effect->name == reason.effect; });
-    const auto same = std::ranges::find_if(told, [&](const NotTestable& other) {
+    const auto same = std::ranges::find_if(listed, [&](const NotTestable& other) {
       return other.effect == reason.effect && other.parameter.empty();
     });
-    if (is_planned || same == told.end()) {
-      told.push_back({reason.effect, is_planned ? reason.parameter : "", reason.why});
+    if (is_planned || same == listed.end()) {
+      listed.push_back({reason.effect, is_planned ? reason.parameter : "", reason.why});
     } else if (same->why.find(reason.why) == std::string::npos) {
       same->why += "; " + reason.why;
     }
   }
-  return told;
+  return listed;
 }
 
 void Planner::look_at(const std::vector<const Seen*>& planned, Plan& plan) const {
@@ -302,7 +302,7 @@ Plan Planner::plan() const {
       plan.not_planned.push_back({one.effect->name, "", one.why_not});
     }
   }
-  for (NotTestable& n : told_once(not_testable_, planned)) {
+  for (NotTestable& n : each_once(not_testable_, planned)) {
     const Seen* seen = find(n.effect);
     const bool said = seen != nullptr && !seen->why_not.empty();
     if (wanted(n.effect) && !said) plan.not_planned.push_back(std::move(n));

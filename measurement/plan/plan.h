@@ -115,7 +115,7 @@ class Planner {
   double slope_at(const Coordinate& coordinate, double z) const;
   void look_at(const std::vector<const Seen*>& planned, Plan& plan) const;
   PlannedEffect of_model(const std::string& effect) const;
-  static std::vector<NotTestable> told_once(const std::vector<NotTestable>& reasons,
+  static std::vector<NotTestable> each_once(const std::vector<NotTestable>& reasons,
                                             const std::vector<const Seen*>& planned);
 
   const Problem& problem_;

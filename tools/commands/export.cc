@@ -19,15 +19,6 @@ struct ExportFlags {
   std::vector<std::string> drop;
 };
 
-const app::ExchangeFormat& format_named(const std::string& name) {
-  std::vector<std::string> names;
-  for (const app::ExchangeFormat& format : app::exchange_formats()) {
-    if (format.name == name) return format;
-    names.push_back(format.name);
-  }
-  throw UsageError(fmt::format("--to: unknown format '{}'{}", name, suggestion_for(name, names)));
-}
-
 // The gains at which the controller of the set's servo ran. Rows without drive have a gain of 0.
 app::ServoGains gains_of(const measurement::MeasurementSet& set) {
   app::ServoGains gains{.known = true};
@@ -117,7 +108,7 @@ void add_export(app::Command app) {
       "the ordinary form where it fits, else the nearest; file and output say which.\n"
       "Example: seam export models/ideal_camera.yaml --to kalibr --out camchain.yaml");
   command.callback([flags] {
-    const app::ExchangeFormat& format = format_named(flags->to);
+    const app::ExchangeFormat& format = app::exchange_format_named(flags->to, "--to");
     OutputFile out(flags->out, {.inputs = {flags->model}});
     const effects::Model model = read_model(flags->model);
     const app::Exported exported = app::export_model(model, format, options_of(*flags, format));

@@ -1,7 +1,5 @@
 #include "tools/workbench/exporting.h"
 
-#include <map>
-
 #include "app/exchange/exchange.h"
 #include "measurement/sets/set.h"
 #include "sim_core/base/error.h"
@@ -25,20 +23,6 @@ bool holds_kind(const ExchangeFormat& format, const std::string& kind) {
   return format.text_of_all != nullptr || of_camera;
 }
 
-const ExchangeFormat& format_named(const std::string& name) {
-  for (const ExchangeFormat& format : app::exchange_formats()) {
-    if (format.name == name) return format;
-  }
-  throw UsageError("format: expected one of seam export");
-}
-
-std::string ending_of(const std::string& format) {
-  static const std::map<std::string, std::string> others = {
-      {"mrcal", ".cameramodel"}, {"json", ".json"}, {"mjcf", ".xml"}, {"urdf", ".xml"}};
-  const auto found = others.find(format);
-  return found == others.end() ? ".yaml" : found->second;
-}
-
 // A camera's format asks the set for the size of the image, where the set has one.
 bool asks_set(const ExchangeFormat& format, const fs::path& set) {
   if (format.text_of_all != nullptr) return false;
@@ -56,9 +40,9 @@ json export_formats_json(const std::string& kind) {
 }
 
 json exported_json(const Exporting& wanted) {
-  const ExchangeFormat& format = format_named(wanted.format);
+  const ExchangeFormat& format = app::exchange_format_named(wanted.format, "format");
   const std::string name = fmt::format("{}-{}-{}{}", name_in_files(wanted.set.filename()),
-                                       wanted.version, format.name, ending_of(format.name));
+                                       wanted.version, format.name, format.ending);
   make_output_folder(wanted.scratch);
   const fs::path out = wanted.scratch / ("export-" + format.name);
   const fs::path model = wanted.scratch / "export-model.yaml";
@@ -75,9 +59,10 @@ json exported_json(const Exporting& wanted) {
       if (line.starts_with(before)) notes.push_back(std::string(line.substr(2)));
     }
   });
+  fs::remove(model);
   if (ended.code != 0) throw Refusal(400, ended.trouble());
   json answer = {{"name", name}, {"text", read_file(out)}, {"notes", std::move(notes)}};
-  fs::remove(out), fs::remove(model);
+  fs::remove(out);
   return answer;
 }
 

@@ -127,16 +127,17 @@ double rate_at_start(const JointLog& log, const FirstRows& seen, double step_rad
 // as less than that of the middle one.
 void look_at_starts(JointLogs& set) {
   const double step_rad = step_of_angles(set);
+  std::vector<std::optional<FirstRows>> seen;
   std::vector<double> variances;
   for (const JointLog& log : set.logs) {
-    if (const auto seen = first_rows(log)) variances.push_back(seen->variance);
+    seen.push_back(first_rows(log));
+    if (seen.back()) variances.push_back(seen.back()->variance);
   }
   const double middle = variances.empty() ? 0 : median_of(variances);
-  for (JointLog& log : set.logs) {
-    auto seen = first_rows(log);
-    if (!seen) continue;
-    seen->variance = std::max(seen->variance, middle);
-    log.start_radps = rate_at_start(log, *seen, step_rad);
+  for (size_t i = 0; i < seen.size(); ++i) {
+    if (!seen[i]) continue;
+    seen[i]->variance = std::max(seen[i]->variance, middle);
+    set.logs[i].start_radps = rate_at_start(set.logs[i], *seen[i], step_rad);
   }
 }
 

@@ -261,7 +261,7 @@ void JointsProblem::whiten_wander(const effects::Noise& noise, const Groups& gro
 }
 
 // An error that wanders is whitened in a column as it is in the residuals: a function of what the
-// joint does is told from it.
+// joint does is separated from it.
 std::vector<std::vector<double>> JointsProblem::following(
     const Model& model, const Groups& groups, const Evaluation& here,
     std::vector<std::vector<double>> columns) const {
@@ -269,7 +269,7 @@ std::vector<std::vector<double>> JointsProblem::following(
   const auto [sigma, rounded] = reading_of(model);
   if (noise.joint.empty() || rounded)
     return Problem::following(model, groups, here, std::move(columns));
-  Evaluation made{.sigma = std::vector<double>(facts_.scalars(), sigma)};
+  Evaluation made;
   for (std::vector<double>& column : columns) {
     made.residual = std::move(column);
     for (size_t i = 0; i < made.residual.size(); ++i) made.residual[i] *= here.sigma[i];
