@@ -137,6 +137,17 @@ TEST_P(Catalogue, HelpAndExampleAreWhole) {
     EXPECT_TRUE(parameter.required || parameter.integer || inside || std::isinf(parameter.neutral))
         << parameter.name;
     EXPECT_NE(effect_help(*effect).find(parameter.name), std::string::npos);
+    const Plausible& plausible = parameter.plausible;
+    if (plausible.source.empty()) continue;
+    // Narrower than what has a meaning, and the effect may be absent.
+    EXPECT_LT(plausible.min, plausible.max) << parameter.name;
+    EXPECT_TRUE(plausible.min > parameter.min || plausible.max < parameter.max) << parameter.name;
+    EXPECT_GE(plausible.min, parameter.min) << parameter.name;
+    EXPECT_LE(plausible.max, parameter.max) << parameter.name;
+    if (std::isfinite(parameter.neutral)) {
+      EXPECT_LE(plausible.min, parameter.neutral) << parameter.name;
+      EXPECT_GE(plausible.max, parameter.neutral) << parameter.name;
+    }
   }
 }
 

@@ -18,8 +18,11 @@ std::string bound_text(double value) {
 std::string range_text(const Parameter& parameter) {
   std::string text =
       parameter.required ? "must be given" : "neutral " + bound_text(parameter.neutral);
-  return text +
-         fmt::format(", from {} to {}", bound_text(parameter.min), bound_text(parameter.max));
+  text += fmt::format(", from {} to {}", bound_text(parameter.min), bound_text(parameter.max));
+  const Plausible& plausible = parameter.plausible;
+  if (plausible.source.empty()) return text;
+  return text + fmt::format("; plausible {} to {}: {}", bound_text(plausible.min),
+                            bound_text(plausible.max), plausible.source);
 }
 
 // "joints; pan_rad a pan joint": what a set must hold, of all parameters and of single ones.

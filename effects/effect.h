@@ -33,6 +33,14 @@ struct TargetShape;     // target.h
 
 enum class JointRole;  // joint_track.h
 
+// Between which values a parameter lies in things that people have, and who says so. Beyond it a
+// result is doubted, not forbidden: `min` and `max` of the parameter bound what has a meaning.
+struct Plausible {
+  double min = 0;
+  double max = 0;
+  std::string source;  // Empty: nobody knows such a range.
+};
+
 struct Parameter {
   std::string name;    // With its unit: line_delay_s.
   double neutral = 0;  // At this value (of all parameters) the effect is absent, bit for bit.
@@ -53,6 +61,7 @@ struct Parameter {
   // sqrt(12).
   double resolution = 0;
   std::vector<Need> needs = {};  // Beside those of the effect.
+  Plausible plausible = {};
 };
 
 // The values of an effect's parameters, in the order in which it declares them.

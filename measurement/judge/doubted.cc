@@ -26,7 +26,7 @@ size_t place_of(const std::vector<std::string>& named, const std::string& effect
   return static_cast<size_t>(std::find(named.begin(), named.end(), effect) - named.begin());
 }
 
-// Values where their range ends.
+// Values where their range ends, or beyond what people have by more than their error.
 void doubt_values(const Assessment& best, const std::vector<std::string>& named, Doubts& doubts) {
   for (size_t k = 0; k < best.unknowns.size(); ++k) {
     const size_t place = place_of(named, best.unknowns[k].effect);
@@ -34,9 +34,16 @@ void doubt_values(const Assessment& best, const std::vector<std::string>& named,
     const effects::Parameter& parameter = parameter_of(best, best.unknowns[k]);
     const double value =
         best.model.find(named[place])->parameters[best.unknowns[k].parameter].value;
-    if (is_at_bound(parameter, value))
+    const effects::Plausible& plausible = parameter.plausible;
+    const double sigma = k < best.fit.sigma.size() ? best.fit.sigma[k] : 0;
+    const double beyond = std::max(plausible.min - value, value - plausible.max);
+    if (is_at_bound(parameter, value)) {
       doubts[place].push_back(
           fmt::format("{} = {:.6g} is at the end of its range", parameter.name, value));
+    } else if (!plausible.source.empty() && std::isfinite(value) && beyond > kWithinError * sigma) {
+      doubts[place].push_back(fmt::format("{} = {:.3g} is beyond the plausible {:g} to {:g}",
+                                          parameter.name, value, plausible.min, plausible.max));
+    }
   }
 }
 

@@ -45,6 +45,25 @@ TEST(Doubted, EffectsThatOnlyCancelEachOther) {
   EXPECT_THAT(doubts_of(problem, of_two(5, -5), {"line"}), ElementsAre(IsEmpty()));
 }
 
+TEST(Doubted, AValueBeyondWhatPeopleHave) {
+  const auto known = made_effect("line", {{.name = "size",
+                                           .min = -100,
+                                           .max = 100,
+                                           .scale = 1,
+                                           .plausible = {-2, 2, "somebody who knows"}}});
+  const auto line = [](const std::vector<double>& p, double x) { return p[0] * x; };
+  const auto doubts_of_size = [&](double size, double sigma) {
+    MadeProblem problem(evenly(-1, 1, 100), kNoiseOfLine, line);
+    Assessment best{.model = made_model(known, {size}), .unknowns = {{"line", 0}}};
+    problem.observe(best.model, {7, 5});
+    best.fit.sigma = {sigma};
+    return doubts_of(problem, best, {"line"}).at(0);
+  };
+  EXPECT_THAT(doubts_of_size(2.5, 0.01), ElementsAre(HasSubstr("beyond the plausible -2 to 2")));
+  EXPECT_THAT(doubts_of_size(1.9, 0.01), IsEmpty());
+  EXPECT_THAT(doubts_of_size(2.5, 1), IsEmpty());  // Within its error.
+}
+
 TEST(Doubted, AValueThatOneGroupMakes) {
   const auto line = [](const std::vector<double>& p, double x) { return p[0] * x; };
   Model none = made_model(of_size("line"), {0});

@@ -12,7 +12,10 @@ EffectDefinition point_scatter() {
             .min = 0,
             .max = 0.9,
             .scale = 0.05,
-            .help = "Share of the points whose detection failed."},
+            .help = "Share of the points whose detection failed.",
+            .plausible =
+                {0, 0.25,
+                 "1 to 10 % of data are gross errors (Hampel 1986): a quarter is not rare"}},
            {.name = "sigma_px",
             .min = 0,
             .max = 1000,

@@ -13,7 +13,9 @@ EffectDefinition bearing_offset_per_range() {
                       .max = 1,
                       .scale = 5e-3,
                       .help = "Error of the bearing for each metre of range, radians; positive: "
-                              "to the left."}},
+                              "to the left.",
+                      .plausible = {-0.1, 0.1,
+                                    "a tenth of a radian a metre is half a turn in 30 m"}}},
       .help =
           "Bearings are off by more the farther away the landmark is: what lies beside the "
           "axis near by is sought along a line that is not the axis.",

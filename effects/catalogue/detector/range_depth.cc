@@ -17,7 +17,8 @@ EffectDefinition range_depth() {
                       .max = 3,
                       .scale = 0.2,
                       .help = "Power of the cosine of the bearing; at 1 the range is the depth "
-                              "along the detector's axis."}},
+                              "along the detector's axis.",
+                      .plausible = {-0.2, 1.2, "0 is a range, 1 a depth along the axis"}}},
       .help =
           "What is measured is the depth along the axis, or something between it and the "
           "distance: a size in the image gives the depth. Landmarks behind count by their "

@@ -22,7 +22,8 @@ EffectDefinition focal_drift() {
                       .max = 0.5,
                       .scale = 1e-4,
                       .help = "Growth of the focal length in a second, as a share of it, at the "
-                              "set's first time."},
+                              "set's first time.",
+                      .plausible = {-0.2, 0.2, "a zoom that is turned: a fifth in a second"}},
                      {.name = "tau_s",
                       .neutral = std::numeric_limits<double>::infinity(),
                       .min = 1e-2,

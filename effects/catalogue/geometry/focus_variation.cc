@@ -9,11 +9,15 @@ EffectDefinition focus_variation() {
       .name = "focus_variation",
       .stage = Stage::geometry,
       .kinds = kPoints,
-      .parameters = {{.name = "sigma",
-                      .min = 0,
-                      .max = 0.2,
-                      .scale = 0.005,
-                      .help = "One sigma of a view's focal length, as a share of it."}},
+      .parameters =
+          {{.name = "sigma",
+            .min = 0,
+            .max = 0.2,
+            .scale = 0.005,
+            .help = "One sigma of a view's focal length, as a share of it.",
+            .plausible =
+                {0, 0.05,
+                 "focusing from infinity to near changes the angle of view by up to 5 %"}}},
       .help =
           "The focal length differs from view to view: autofocus, or a zoom ring that moved. Each "
           "view has one draw, which is estimated with its pose.",

@@ -16,7 +16,8 @@ EffectDefinition pupil_shift() {
                       .max = 0.01,
                       .scale = 1e-3,
                       .help = "How fast the point through which rays enter moves towards the scene "
-                              "as they slant, m: a few millimetres in lenses of cameras."}},
+                              "as they slant, m: a few millimetres in lenses of cameras.",
+                      .plausible = {-0.006, 0.006, "a few millimetres in lenses of cameras"}}},
       .help =
           "Rays of a wide lens do not meet in one point: slanting ones enter further forward, "
           "which shows where the scene is near (Gennery 2006).",

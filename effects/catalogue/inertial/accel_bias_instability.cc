@@ -7,7 +7,8 @@ EffectDefinition accel_bias_instability() {
       .name = "accel_bias_instability",
       .stage = kInertial,
       .kinds = kImu,
-      .parameters = axis_parameters("mps2", 0, 100, 1e-3, "B, m/s^2."),
+      .parameters = axis_parameters("mps2", 0, 100, 1e-3, "B, m/s^2.",
+                                    {0, 0.05, "data sheets of MEMS: 1e-4 to 5e-3"}),
       .help =
           "Flicker noise of the accelerometer: its bias wanders with as much power in each octave. "
           "B of IEEE 952: the flat of the Allan deviation is 0.664 B.",

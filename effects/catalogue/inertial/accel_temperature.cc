@@ -7,7 +7,9 @@ EffectDefinition accel_temperature() {
       .name = "accel_temperature",
       .stage = kInertial,
       .kinds = kImu,
-      .parameters = axis_parameters("mps2_k", -1, 1, 1e-3, "m/s^2 a kelvin."),
+      .parameters =
+          axis_parameters("mps2_k", -1, 1, 1e-3, "m/s^2 a kelvin.",
+                          {-0.1, 0.1, "data sheets of MEMS: 0.1 to 2 thousandths of g a kelvin"}),
       .help = "The bias of the accelerometer changes with its temperature.",
       .formula = "true + c (T - 25)",
       .signature = "a mean that follows the temperature",

@@ -7,7 +7,8 @@ EffectDefinition gyro_bias_instability() {
       .name = "gyro_bias_instability",
       .stage = kInertial,
       .kinds = kImu,
-      .parameters = axis_parameters("radps", 0, 10, 1e-4, "B, rad/s."),
+      .parameters = axis_parameters("radps", 0, 10, 1e-4, "B, rad/s.",
+                                    {0, 0.02, "data sheets of MEMS: 1 to 200 degrees an hour"}),
       .help =
           "Flicker noise of the gyroscope: its bias wanders with as much power in each octave. B "
           "of IEEE 952: the flat of the Allan deviation is 0.664 B.",

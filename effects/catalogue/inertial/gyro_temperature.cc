@@ -7,7 +7,9 @@ EffectDefinition gyro_temperature() {
       .name = "gyro_temperature",
       .stage = kInertial,
       .kinds = kImu,
-      .parameters = axis_parameters("radps_k", -1, 1, 1e-5, "rad/s a kelvin."),
+      .parameters =
+          axis_parameters("radps_k", -1, 1, 1e-5, "rad/s a kelvin.",
+                          {-0.01, 0.01, "data sheets of MEMS: 0.01 to 0.1 degrees/s a kelvin"}),
       .help = "The bias of the gyroscope changes with its temperature.",
       .formula = "true + c (T - 25)",
       .signature = "a mean that follows the temperature",

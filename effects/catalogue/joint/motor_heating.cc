@@ -15,7 +15,9 @@ EffectDefinition motor_heating() {
                       .max = 0.05,
                       .scale = 0.004,
                       .help = "Growth of the windings' resistance for each kelvin above the median "
-                              "of the column temperature_c, as a share. Copper: 0.0036."}},
+                              "of the column temperature_c, as a share. Copper: 0.0036.",
+                      .plausible = {-0.001, 0.01,
+                                    "copper 0.0039, weaker magnets another 0.001 to 0.002"}}},
       .help =
           "A warm motor is weaker: its windings resist more and its magnets hold less. The log "
           "says how warm in a column temperature_c.",

@@ -24,7 +24,8 @@ EffectDefinition mount_sag() {
                       .max = 0.3,
                       .scale = 5e-3,
                       .help = "How far the camera hangs where its load is level, radians, towards "
-                              "larger angles of the tilt joint."},
+                              "larger angles of the tilt joint.",
+                      .plausible = {-0.1, 0.1, "mounts of cameras bend by less than 2 degrees"}},
                      {.name = "tilt_level_rad",
                       .min = -maths::kPi,
                       .max = maths::kPi,

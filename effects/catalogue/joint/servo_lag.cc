@@ -11,8 +11,8 @@ EffectDefinition servo_lag() {
                       .min = 0,
                       .max = 5,
                       .scale = 0.03,
-                      .help =
-                          "Time constant, seconds: after a step 63 % of the way is made in it."}},
+                      .help = "Time constant, seconds: after a step 63 % of the way is made in it.",
+                      .plausible = {0, 1, "servos settle in 20 to 500 ms"}}},
       .help =
           "The joint approaches its command at a rate in proportion to the distance, as under "
           "a position controller of finite gain.",

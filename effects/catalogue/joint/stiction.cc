@@ -12,7 +12,8 @@ EffectDefinition stiction() {
                       .max = 1,
                       .scale = 0.01,
                       .help =
-                          "The joint rests while it is nearer to its command than this, radians."}},
+                          "The joint rests while it is nearer to its command than this, radians.",
+                      .plausible = {0, 0.1, "servos of models rest within 0.3 to 3 degrees"}}},
       .help = "Static friction: a command that is too near does not move the joint.",
       .formula = "no motion while |command - q| < band",
       .signature = "steady error after small moves",

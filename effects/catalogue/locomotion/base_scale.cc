@@ -12,7 +12,10 @@ EffectDefinition base_scale() {
                       .max = 1,
                       .scale = 0.01,
                       .help = "Relative error of the distance between the wheels; positive: they "
-                              "stand wider, and the body turns less."}},
+                              "stand wider, and the body turns less.",
+                      .plausible = {-0.3, 0.5,
+                                    "wide tyres turn about a point within their width; tracks up "
+                                    "to 1.5 times their base"}}},
       .help = "The wheels touch the ground farther apart or nearer than they are taken for.",
       .formula = "base_m (1 + scale)",
       .signature = "error of the heading in proportion to the turn",

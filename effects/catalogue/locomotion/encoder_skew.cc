@@ -14,7 +14,9 @@ EffectDefinition encoder_skew() {
                       .max = 0.2,
                       .scale = 2e-3,
                       .help = "How long after the left wheel's count that of the right wheel is "
-                              "read, seconds; the row's time is the left one's."}},
+                              "read, seconds; the row's time is the left one's.",
+                      .plausible = {-0.1, 0.1,
+                                    "counters are read within one period of a controller"}}},
       .help =
           "The encoders of the two wheels are read one after the other, and both counts get one "
           "time.",

@@ -4,13 +4,15 @@ namespace seam::effects {
 
 EffectDefinition odometry_scale() {
   const auto scale = [](const char* name, const char* what, Need need) {
-    return Parameter{.name = name,
-                     .min = -0.9,
-                     .max = 3,
-                     .scale = 0.05,
-                     .help = std::string("Relative error of the ") + what +
-                             " speed; positive: faster than commanded.",
-                     .needs = {need}};
+    return Parameter{
+        .name = name,
+        .min = -0.9,
+        .max = 3,
+        .scale = 0.05,
+        .help = std::string("Relative error of the ") + what +
+                " speed; positive: faster than commanded.",
+        .needs = {need},
+        .plausible = {-0.6, 1, "legs go half as far or twice as far as asked, no more"}};
   };
   return {
       .name = "odometry_scale",

@@ -4,7 +4,12 @@ namespace seam::effects {
 
 EffectDefinition tracker_offset() {
   const auto offset = [](const char* name, const char* help) {
-    return Parameter{.name = name, .min = -2, .max = 2, .scale = 0.02, .help = help};
+    return Parameter{.name = name,
+                     .min = -2,
+                     .max = 2,
+                     .scale = 0.02,
+                     .help = help,
+                     .plausible = {-1, 1, "a mark on the body"}};
   };
   return {
       .name = "tracker_offset",

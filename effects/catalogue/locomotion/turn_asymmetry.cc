@@ -12,7 +12,9 @@ EffectDefinition turn_asymmetry() {
                       .max = 1,
                       .scale = 0.02,
                       .help = "Share by which turns to the left are longer than commanded, and "
-                              "those to the right shorter."}},
+                              "those to the right shorter.",
+                      .plausible = {-0.5, 0.5,
+                                    "left and right turns of legs differ by up to 30 %"}}},
       .help =
           "Turns to the left and to the right are unlike: one wheel grips less, or the legs push "
           "unevenly. What both have in common is the scale of turns.",

@@ -11,8 +11,8 @@ EffectDefinition walk_lag() {
                       .min = 0,
                       .max = 10,
                       .scale = 0.1,
-                      .help =
-                          "Time constant with which the velocity follows its command, seconds."}},
+                      .help = "Time constant with which the velocity follows its command, seconds.",
+                      .plausible = {0, 2, "bodies follow within a step or two"}}},
       .help =
           "The body has mass and the gait a period: all three velocities start at rest and "
           "follow their commands with a lag.",

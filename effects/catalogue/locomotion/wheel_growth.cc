@@ -16,7 +16,8 @@ EffectDefinition wheel_growth() {
                       .scale = 0.02,
                       .help =
                           "Share by which a wheel's radius is larger for each m/s of its speed; "
-                          "negative: smaller."}},
+                          "negative: smaller.",
+                      .plausible = {-0.1, 0.1, "tyres grow by less than 1 % at 10 m/s"}}},
       .help = "A wheel's radius depends on its speed: both wheels alike, each by its own speed.",
       .formula = "wheel (1 + per_mps |wheel|), wheel its speed in m/s",
       .signature =

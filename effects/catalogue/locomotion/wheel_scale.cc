@@ -9,7 +9,8 @@ EffectDefinition wheel_scale() {
                      .max = 1,
                      .scale = 0.01,
                      .help = std::string("Relative error of the ") + side +
-                             " wheel's size; positive: it rolls farther than its ticks say."};
+                             " wheel's size; positive: it rolls farther than its ticks say.",
+                     .plausible = {-0.2, 0.2, "tyres wear and give by 1 to 5 %"}};
   };
   return {
       .name = "wheel_scale",

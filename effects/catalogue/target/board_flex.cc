@@ -14,7 +14,8 @@ EffectDefinition board_flex() {
                       .min = 0,
                       .max = 0.05,
                       .scale = 1e-4,
-                      .help = "One sigma of a view's bending, m."}},
+                      .help = "One sigma of a view's bending, m.",
+                      .plausible = {0, 0.01, "a board in the hand bends by millimetres"}}},
       .help =
           "A board bends a little differently in each view: one amplitude a view along the "
           "shape of `board_warp` (of unit size; alike both ways where there is none).",

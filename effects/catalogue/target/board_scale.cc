@@ -5,12 +5,15 @@ namespace seam::effects {
 
 EffectDefinition board_scale() {
   const auto share = [](const char* name, const char* help, std::vector<Need> needs = {}) {
-    return Parameter{.name = name,
-                     .min = -0.2,
-                     .max = 0.2,
-                     .scale = 1e-3,
-                     .help = help,
-                     .needs = std::move(needs)};
+    return Parameter{
+        .name = name,
+        .min = -0.2,
+        .max = 0.2,
+        .scale = 1e-3,
+        .help = help,
+        .needs = std::move(needs),
+        .plausible = {-0.08, 0.08,
+                      "printers are within 1 %, a page that was made to fit within 6"}};
   };
   return {
       .name = "board_scale",

@@ -13,8 +13,14 @@ EffectDefinition board_warp() {
             .min = -0.1,
             .max = 0.1,
             .scale = 1e-3,
-            .help = "How far the middle stands out of the plane by the bend along x, m."},
-           {.name = "y_m", .min = -0.1, .max = 0.1, .scale = 1e-3, .help = "The same along y, m."}},
+            .help = "How far the middle stands out of the plane by the bend along x, m.",
+            .plausible = {-0.03, 0.03, "boards of a metre bend by up to a few centimetres"}},
+           {.name = "y_m",
+            .min = -0.1,
+            .max = 0.1,
+            .scale = 1e-3,
+            .help = "The same along y, m.",
+            .plausible = {-0.03, 0.03, "boards of a metre bend by up to a few centimetres"}}},
       .help = "A calibration board is bent: its points leave their plane.",
       .formula =
           "z + x_m (1 - a^2) + y_m (1 - b^2), a and b the board's coordinates scaled to "

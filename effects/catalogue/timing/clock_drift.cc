@@ -12,8 +12,9 @@ EffectDefinition clock_drift() {
                       .min = -200000.0,
                       .max = 200000.0,
                       .scale = 1e3,
-                      .help =
-                          "How much faster true time runs than the stamps, parts per million."}},
+                      .help = "How much faster true time runs than the stamps, parts per million.",
+                      .plausible = {-50000, 50000,
+                                    "quartz keeps 100 ppm, oscillators without one 1 to 5 %"}}},
       .help = "The camera's clock runs at another rate than the reference log's.",
       .formula = "true time = stamp * (1 + drift * 1e-6), from the first time of the reference log",
       .signature = "latency that grows with time",

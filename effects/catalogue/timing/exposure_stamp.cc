@@ -16,7 +16,8 @@ EffectDefinition exposure_stamp() {
                       .max = 2,
                       .scale = 0.5,
                       .help = "True time of a frame minus its stamp, in units of its own exposure: "
-                              "0.5 where stamps are the starts, 0 the middles, -0.5 the ends."}},
+                              "0.5 where stamps are the starts, 0 the middles, -0.5 the ends.",
+                      .plausible = {-1, 1, "stamps are starts, middles or ends: -0.5 to 0.5"}}},
       .help =
           "Stamps are not of the middle of the exposure, so that the latency changes with the "
           "exposure of the frame (column exposure_s).",

@@ -12,7 +12,10 @@ EffectDefinition frame_jitter() {
                       .min = 0,
                       .max = 0.5,
                       .scale = 5e-3,
-                      .help = "Standard deviation of the latency of each frame, seconds."}},
+                      .help = "Standard deviation of the latency of each frame, seconds.",
+                      .plausible = {0, 0.1,
+                                    "stamps that a computer gives come milliseconds late, on a "
+                                    "loaded one tens of them"}}},
       .help = "Each frame has a random latency of its own.",
       .formula =
           "true time = stamp + latency, latency normal with this sigma, drawn for each frame",

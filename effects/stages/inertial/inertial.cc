@@ -47,14 +47,16 @@ double noise_power(const InertialSensor& sensor, size_t axis, double omega, doub
 }
 
 std::vector<Parameter> axis_parameters(const std::string& unit_name, double least, double most,
-                                       double usual, const std::string& help) {
+                                       double usual, const std::string& help,
+                                       const Plausible& plausible) {
   std::vector<Parameter> parameters;
   for (const char* axis : {"x", "y", "z"}) {
     parameters.push_back({.name = std::string(axis) + "_" + unit_name,
                           .min = least,
                           .max = most,
                           .scale = usual,
-                          .help = "Axis " + std::string(axis) + ": " + help});
+                          .help = "Axis " + std::string(axis) + ": " + help,
+                          .plausible = plausible});
   }
   return parameters;
 }

@@ -40,7 +40,8 @@ double noise_power(const InertialSensor& sensor, size_t axis, double omega, doub
 
 // Three parameters, one an axis: x_NAME, y_NAME, z_NAME.
 std::vector<Parameter> axis_parameters(const std::string& unit_name, double least, double most,
-                                       double usual, const std::string& help);
+                                       double usual, const std::string& help,
+                                       const Plausible& plausible = {});
 // One a pair: xy_rad is what axis x has of axis y.
 std::vector<Parameter> cross_parameters(const std::vector<std::string>& pairs);
 // Starts of a fit: the same size on all axes, in steps of half a decade.
