@@ -256,6 +256,11 @@ class Workbench(OfTheRoom):
         value = {head["how"]: head["parameters"]["line_delay_s"]["value"] for head in (step, fit)}
         self.assertAlmostEqual(value["linear"], value["fit"], delta=0.02 * abs(value["fit"]))
         _, before = decoded((self.folder / "look/rows.bin").read_bytes())
+        channels = ("u_px", "v_px", "radial_px", "tangential_px")
+        self.assertLessEqual({f"s:{one}" for one in channels}, before.keys())
+        self.assertEqual(by_step.keys(), {f"r:{one}" for one in channels})  # Stated errors are as before.
+        _, scattered = decoded((self.folder / "look/fit-point_scatter.bin").read_bytes())
+        self.assertNotEqual(scattered["s:u_px"], before["s:u_px"])
         apart, moved = (sum((a - b) ** 2 for a, b in zip(other["r:u_px"], by_fit["r:u_px"])) for other in (by_step, before))
         self.assertLess(apart, 0.05 ** 2 * moved)  # What is drawn.
         search = json.loads((self.folder / "look/search.json").read_text())

@@ -129,8 +129,9 @@ async function hovers(browser, cancelled) {
     await page.locator("[role=option]").first().waitFor();
     await page.locator(".candidates [role=status]", { hasText: /tested|all fitted/ }).waitFor();
     await page.locator('[data-plot="residual against covariate"] [data-drawn=true]').waitFor();
-    for (const id of await page.locator("[role=option]").evaluateAll((all) => all.slice(0, 12).map((one) => one.id))) {
-      const took = await page.evaluate(pointAt, [id, pointed.linear.length + pointed.fit.length + 1]);
+    const ids = await page.locator("[role=option]").evaluateAll((all) => all.slice(0, 12).map((one) => one.id));
+    for (const [i, id] of ids.entries()) {
+      const took = await page.evaluate(pointAt, [id, i]); // A mouse that has not moved points at nothing.
       const how = await page.locator(".context.previewing").getAttribute("data-how");
       if (how in pointed) pointed[how].push(took);
       await page.keyboard.press("Escape");

@@ -153,6 +153,8 @@ export function Figure(props: FigureProps) {
   const { name, title, sentence, draw, paint, onBrush, onPick, wide, tools } = props;
   const holder = useRef<HTMLDivElement>(null);
   const drawn = useRef<Shown | null>(null);
+  /** The width that is there, once it is known: asking for it would lay out the page anew for each plot. */
+  const width_px = useRef<number | null>(null);
   const keyboard = useKeys(props, drawn, holder);
   const showKeys = useRef(keyboard.show);
   showKeys.current = keyboard.show;
@@ -167,7 +169,7 @@ export function Figure(props: FigureProps) {
     const element = holder.current!;
     let drawnWidth = 0;
     const redraw = () => {
-      const width = Math.floor(element.clientWidth);
+      const width = Math.floor(width_px.current ?? element.clientWidth);
       if (width < 40 || Math.abs(width - drawnWidth) < 2) return;
       drawnWidth = width;
       drawn.current = drawInto(element, width, { name, title, sentence, draw, onBrush, onPick });
@@ -175,7 +177,10 @@ export function Figure(props: FigureProps) {
       showKeys.current();
     };
     inTurn(drawn, redraw);
-    const observer = new ResizeObserver(() => inTurn(drawn, redraw));
+    const observer = new ResizeObserver(([{ contentRect }]) => {
+      width_px.current = contentRect.width;
+      if (Math.abs(contentRect.width - drawnWidth) >= 2) inTurn(drawn, redraw);
+    });
     observer.observe(element);
     return () => {
       observer.disconnect();

@@ -255,7 +255,8 @@ function read(session, path, query) {
     case "preview": {
       const effect = query.get("effect");
       const { r, error } = residuals(session.world, [...version.model, effect], session.leftOut);
-      return table(n, { error, parameters: session.candidate(effect, 1).parameters, how: "linear" }, residualColumns(n, r));
+      return table(n, { error, parameters: session.candidate(effect, 1).parameters, how: "linear" }, // Stated errors are those of the rows.
+        Object.fromEntries(Object.entries(residualColumns(n, r)).filter(([name]) => name.startsWith("r:"))));
     }
     case "search": return session.search(session.slow ? 2 : Infinity);
     case "see": return { effects: [{ name: "rolling_shutter", in_model: false, help: "rows one after the other", parameters: [

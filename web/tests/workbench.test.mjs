@@ -50,6 +50,7 @@ async function previewAddUndo(page, server) {
   assert.match(await headline(page), /rolling_shutter is missing/);
   assert.equal(await page.getByLabel("Covariate", { exact: true }).inputValue(), "row*pan_rate", "the strongest structure is chosen first");
   const before = await error(page);
+  await until(page, () => performance.getEntriesByType("resource").some((one) => /preview.*effect=rolling_shutter$/.test(one.name))); // Ahead.
   await option(page, "rolling_shutter").hover();
   await page.locator(".context.previewing[data-how=linear]").waitFor();
   await plotsShow(page, "With rolling_shutter");

@@ -112,13 +112,13 @@ export interface PreviewAnswer {
   how: "linear" | "first" | "fit";
 }
 
-/** Null while the effect is being fitted. */
-export async function preview(version: string, effect: string, n: number): Promise<PreviewAnswer | null> {
+/** Of a version with these residuals; null while the effect is being fitted. */
+export async function preview(version: string, effect: string, n: number, before: Residuals): Promise<PreviewAnswer | null> {
   const response = await ask(`preview?version=${encodeURIComponent(version)}&effect=${encodeURIComponent(effect)}`);
   if (response.status === 202) return null;
   const table = decode(await response.arrayBuffer());
   const head = table.head as unknown as { error: number | null; parameters: Parameters; how: "linear" | "first" | "fit" };
-  return { residuals: table.head.n === n ? residualsOf(table) : null, error: head.error, parameters: head.parameters ?? {},
+  return { residuals: table.head.n === n ? residualsOf(table, before) : null, error: head.error, parameters: head.parameters ?? {},
     how: head.how };
 }
 

@@ -136,10 +136,11 @@ export function groupsOf(rows: Rows, residuals: Residuals, ids: Numbers | undefi
   const found = new Map<number, Group & { squares: number }>();
   for (const name of residuals.channels) {
     const r = residuals.r.get(name)!, s = residuals.s.get(name)!;
+    let group: (Group & { squares: number }) | undefined;
     for (let i = 0; i < rows.n; ++i) {
       const z = r[i] / s[i];
       if (!(z - z === 0)) continue;
-      let group = found.get(ids[i]);
+      if (group?.id !== ids[i]) group = found.get(ids[i]); // Rows of a group mostly adjoin.
       if (!group) {
         group = { id: ids[i], n: 0, heldOut: held ? held[i] > 0 : false, error: 0, squares: 0 };
         found.set(ids[i], group);

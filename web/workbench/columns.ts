@@ -34,8 +34,9 @@ export function rowsOf({ head, columns }: Table): Rows {
     new Map(all.filter(([name]) => isMeasured(name)).map(([name, values]) => [name.slice(2), values])), head);
 }
 
-export function residualsOf({ head, columns }: Table): Residuals {
-  const part = (mark: string) => new Map(head.channels.map((name) => [name, columns.get(`${mark}:${name}`)!]));
+/** Of a preview a stated error is left out where it is as `before`. */
+export function residualsOf({ head, columns }: Table, before?: Residuals): Residuals {
+  const part = (mark: "r" | "s") => new Map(head.channels.map((name) => [name, columns.get(`${mark}:${name}`) ?? before?.[mark].get(name)!]));
   // Radial and tangential parts are the image's residuals once more: they take no part in sums over channels.
   return { channels: head.channels.filter((name) => !/^(radial|tangential)_/.test(name)), r: part("r"), s: part("s") };
 }

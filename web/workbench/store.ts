@@ -103,17 +103,39 @@ export function leaveList(): void {
 }
 
 async function fetchPreview(name: string, again = false): Promise<void> {
-  const key = keyOf(name), now = loaded.value;
-  if (!now || (previews.value.has(key) && !again)) return;
+  const key = keyOf(name), now = loaded.value, known = previews.value.get(key);
+  if (!now || now.version !== session.value?.current || (known && known.how !== "failed" && !again)) return;
+  awaited.delete(key);
   try {
-    const answer = await api.preview(now.version, name, now.rows.n);
-    if (answer === null) return; // Being fitted; an event comes when it is there.
+    const answer = await api.preview(now.version, name, now.rows.n, now.residuals);
+    if (answer === null) return void awaited.add(key); // Being fitted; an event comes when it is there.
     if (answer.how !== "fit" && previews.value.get(key)?.how === "fit") return; // An answer that was overtaken.
     previews.value = new Map(previews.value).set(key, { ...answer, effect: name });
   } catch (error) {
     previews.value = new Map(previews.value).set(key, { effect: name, residuals: null, error: null, parameters: {}, how: "failed",
       why: (error as Error).message });
   }
+}
+
+/** So many candidates are previewed before anybody points at them: those that fit on a screen, and most that are pointed at. */
+const mostAhead = 12;
+/** Previews that were asked for and are not there yet. */
+const awaited = new Set<string>();
+let isAhead = false;
+
+function nextAhead(): string | undefined {
+  if (!searched.value || loaded.value?.version !== session.value?.current) return undefined;
+  const { prospects, candidates } = searched.value;
+  return [...new Set([...prospects, ...candidates].map((one) => one.effect))].slice(0, mostAhead)
+    .find((name) => !previews.value.has(keyOf(name)) && !awaited.has(keyOf(name)));
+}
+
+/** One after the other, so that what a person points at need not wait for many. */
+async function fetchAhead(): Promise<void> {
+  if (isAhead) return;
+  isAhead = true;
+  for (let name = nextAhead(); name; name = nextAhead()) await fetchPreview(name);
+  isAhead = false;
 }
 
 export function lookAt(item: { residual: string; covariate: string; moment: string }): void {
@@ -150,6 +172,7 @@ async function loadRows(id: string): Promise<void> {
       structureFor = "";
     });
     choosePlot();
+    if (pointed.value) void fetchPreview(pointed.value); // Pointed at before the rows came.
   } catch (error) {
     if (version.value?.looked !== "failed") problem.value = (error as Error).message; // Else the head has it.
   } finally {
@@ -165,10 +188,15 @@ function choosePlot(): void {
   if (now.structure) structureFor = now.id;
 }
 
+/** Of the versions before, which would fill the memory. */
+function forgetPreviews(): void {
+  previews.value = new Map();
+  awaited.clear();
+}
+
 /** Nothing of one set is shown beside another. */
 function forgetSet(): void {
   loaded.value = look.value = null;
-  previews.value = new Map();
   problem.value = "";
   structureFor = "";
   clearSelection();
@@ -189,6 +217,7 @@ export function take(next: Session): void {
     session.value = next;
     if (other) {
       restore();
+      forgetPreviews();
       searched.value = next.set ? { candidates: [], prospects: [], ties: [], notTestable: [], progress: { done: 0, of: 0 }, advice: "" } : null;
     }
     if (!next.set) screen.value = "open";
@@ -340,6 +369,7 @@ export async function start(): Promise<void> {
   take(await api.session());
   keepScreen();
   shareSelection();
+  effect(() => void (nextAhead() && fetchAhead()));
   api.listen({
     session: take,
     search: (id, found) => {
@@ -348,7 +378,8 @@ export async function start(): Promise<void> {
     preview: (id, name) => {
       // The fit replaces the linear step.
       if (id !== session.value?.current) return;
-      if (previews.value.has(keyOf(name)) || pointed.value === name) void fetchPreview(name, true);
+      const key = keyOf(name);
+      if (previews.value.has(key) || awaited.has(key) || pointed.value === name) void fetchPreview(name, true);
     },
     job: (job) => {
       if (session.value) session.value = { ...session.value, job };

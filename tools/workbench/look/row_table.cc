@@ -1,6 +1,8 @@
 #include "tools/workbench/look/row_table.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstring>
 
 namespace seam::tools {
 namespace {
@@ -8,6 +10,11 @@ namespace {
 using measurement::Facts;
 using measurement::Groups;
 using measurement::ResidualView;
+
+// No value equals no value.
+bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+}
 
 // Views of images have rows of their own: places that were chosen for plots.
 size_t rows_of(const ResidualView& view) {
@@ -56,7 +63,10 @@ std::string RowTable::rows(const ResidualView& of_all, const ResidualView& view,
     columns.add("u_px", of_all.covariate("column"));
     columns.add("v_px", of_all.covariate("row"));
   }
-  add_residuals(view, columns);
+  for (const ResidualView::Channel& channel : view.channels) {
+    columns.add("r:" + channel.name) = column_of(channel, channel.residual);
+    columns.add("s:" + channel.name) = stated_[channel.name] = column_of(channel, channel.sigma);
+  }
   for (const ResidualView::Channel& channel : of_all.channels) {
     if (channel.observed.empty()) continue;
     std::vector<float>& column = columns.add("d:observed " + channel.name);
@@ -74,7 +84,13 @@ std::string RowTable::rows(const ResidualView& of_all, const ResidualView& view,
 
 std::string RowTable::residuals(const ResidualView& view, nlohmann::json head) const {
   Columns columns(rows_);
-  add_residuals(view, columns);
+  for (const ResidualView::Channel& channel : view.channels) {
+    columns.add("r:" + channel.name) = column_of(channel, channel.residual);
+    const std::vector<float> stated = column_of(channel, channel.sigma);
+    const auto before = stated_.find(channel.name);
+    if (before == stated_.end() || !same_bits(stated, before->second))
+      columns.add("s:" + channel.name) = stated;
+  }
   head["channels"] = channels(view);
   return columns.bytes(std::move(head));
 }
@@ -85,17 +101,14 @@ std::vector<std::string> RowTable::channels(const ResidualView& view) const {
   return names;
 }
 
-void RowTable::add_residuals(const ResidualView& view, Columns& columns) const {
-  for (const ResidualView::Channel& channel : view.channels) {
-    for (const bool stated : {false, true}) {
-      std::vector<float>& column = columns.add((stated ? "s:" : "r:") + channel.name);
-      const std::vector<double>& values = stated ? channel.sigma : channel.residual;
-      for (size_t i = 0; i < channel.row.size(); ++i) {
-        const size_t place = place_of(channel.row[i]);
-        if (place < column.size()) column[place] = static_cast<float>(values[i]);
-      }
-    }
+std::vector<float> RowTable::column_of(const ResidualView::Channel& channel,
+                                       const std::vector<double>& values) const {
+  std::vector<float> column(rows_, std::nanf(""));
+  for (size_t i = 0; i < channel.row.size(); ++i) {
+    const size_t place = place_of(channel.row[i]);
+    if (place < column.size()) column[place] = static_cast<float>(values[i]);
   }
+  return column;
 }
 
 }  // namespace seam::tools

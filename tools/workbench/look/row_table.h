@@ -22,11 +22,13 @@ class RowTable {
   // `residuals`.
   std::string rows(const measurement::ResidualView& of_all, const measurement::ResidualView& view,
                    const measurement::DataColumns& data);
-  // Residuals alone, with this head.
+  // Residuals alone, with this head; a stated error as `rows` has it is left out, since most models
+  // change none.
   std::string residuals(const measurement::ResidualView& view, nlohmann::json head) const;
 
  private:
-  void add_residuals(const measurement::ResidualView& view, Columns& columns) const;
+  std::vector<float> column_of(const measurement::ResidualView::Channel& channel,
+                               const std::vector<double>& values) const;
   std::vector<std::string> channels(const measurement::ResidualView& view) const;
   size_t place_of(int row) const {
     return places_.empty() ? static_cast<size_t>(row) : places_[static_cast<size_t>(row)];
@@ -36,6 +38,7 @@ class RowTable {
   const measurement::Problem& used_;
   std::vector<size_t> places_;  // By row of the used set; empty: as they are.
   size_t rows_ = 0;
+  std::map<std::string, std::vector<float>> stated_;  // By channel, as `rows` has it.
 };
 
 }  // namespace seam::tools
