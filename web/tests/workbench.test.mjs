@@ -133,6 +133,7 @@ async function formulaAndSession(page, server) {
   await page.getByText("The formula can be read; to be fitted: k.").waitFor();
   await page.getByRole("button", { name: "Fit and add" }).click();
   await until(page, () => document.querySelector(".command code").textContent.includes("my_effect"));
+  await page.getByText(/my_effect does not help: the error was [\d.]+ without. Undo takes it back/).waitFor();
   await toScreen(page, "Session");
   await page.getByLabel(/^Note on version 1$/).fill("as the data sheet has it");
   await page.locator("h1").click();

@@ -29,6 +29,15 @@ function meaning(now: Version): string {
   return "";
 }
 
+/** What was added without a gain: a formula, or an effect that a person chose against the list. */
+function inVain(now: Version): string {
+  const before = session.value?.versions.find((one) => one.id === now.parent);
+  const added = Object.keys(now.effects).filter((name) => before && !(name in before.effects));
+  if (!before || added.length === 0 || before.error === null || now.error === null || before.leftOut !== now.leftOut) return "";
+  if (now.error < before.error || now.error <= 1) return "";
+  return `${added.join(", ")} ${added.length === 1 ? "does" : "do"} not help: the error was ${number(before.error, 4)} without. Undo takes it back.`;
+}
+
 export function Head() {
   const now = version.value;
   const shown = preview.value;
@@ -39,6 +48,7 @@ export function Head() {
       <div class="says">
         <p class="headline">{now.headline || (now.trouble ? "The model could not be compared with the measurements."
           : "Comparing the model with the measurements …")}</p>
+        {inVain(now) && <p class="doubt">{inVain(now)}</p>}
         {meaning(now) && <p class="quiet means">{meaning(now)}</p>}
         {now.trouble && <p class="trouble" role="alert">{now.trouble}</p>}
         {now.doubts.map((doubt, i) => <p key={i} class="doubt">{doubt.trim()}</p>)}
