@@ -105,10 +105,10 @@ export function leaveList(): void {
 async function fetchPreview(name: string, again = false): Promise<void> {
   const key = keyOf(name), now = loaded.value, known = previews.value.get(key);
   if (!now || now.version !== session.value?.current || (known && known.how !== "failed" && !again)) return;
-  awaited.delete(key);
+  asked.add(key);
   try {
     const answer = await api.preview(now.version, name, now.rows.n, now.residuals);
-    if (answer === null) return void awaited.add(key); // Being fitted; an event comes when it is there.
+    if (answer === null) return; // Being fitted; an event comes when it is there.
     if (answer.how !== "fit" && previews.value.get(key)?.how === "fit") return; // An answer that was overtaken.
     previews.value = new Map(previews.value).set(key, { ...answer, effect: name });
   } catch (error) {
@@ -119,15 +119,15 @@ async function fetchPreview(name: string, again = false): Promise<void> {
 
 /** So many candidates are previewed before anybody points at them: those that fit on a screen, and most that are pointed at. */
 const mostAhead = 12;
-/** Previews that were asked for and are not there yet. */
-const awaited = new Set<string>();
+/** Previews that were asked for, those too whose answer is on its way: an event of a better one asks again. */
+const asked = new Set<string>();
 let isAhead = false;
 
 function nextAhead(): string | undefined {
   if (!searched.value || loaded.value?.version !== session.value?.current) return undefined;
   const { prospects, candidates } = searched.value;
   return [...new Set([...prospects, ...candidates].map((one) => one.effect))].slice(0, mostAhead)
-    .find((name) => !previews.value.has(keyOf(name)) && !awaited.has(keyOf(name)));
+    .find((name) => !asked.has(keyOf(name)));
 }
 
 /** One after the other, so that what a person points at need not wait for many. */
@@ -191,7 +191,7 @@ function choosePlot(): void {
 /** Of the versions before, which would fill the memory. */
 function forgetPreviews(): void {
   previews.value = new Map();
-  awaited.clear();
+  asked.clear();
 }
 
 /** Nothing of one set is shown beside another. */
@@ -379,7 +379,7 @@ export async function start(): Promise<void> {
       // The fit replaces the linear step.
       if (id !== session.value?.current) return;
       const key = keyOf(name);
-      if (previews.value.has(key) || awaited.has(key) || pointed.value === name) void fetchPreview(name, true);
+      if (asked.has(key) || pointed.value === name) void fetchPreview(name, true);
     },
     job: (job) => {
       if (session.value) session.value = { ...session.value, job };
