@@ -393,6 +393,17 @@ class Workbench(OfTheRoom):
             again = next(page.events(first["id"]))
             self.assertGreater(int(again["id"]), int(first["id"]))
 
+    def test_an_event_says_that_a_look_has_ended(self):
+        with self.page() as page:
+            last_search = False
+            for event in page.events():
+                data = json.loads(event["data"])
+                if event["event"] == "search":
+                    last_search = data["progress"] is None
+                elif event["event"] == "state" and (last_search or data["versions"][0]["looked"] == "yes"):
+                    self.assertEqual(data["versions"][0]["looked"], "yes")
+                    break
+
     def test_a_plan_says_how_far_it_is_and_can_be_cancelled(self):
         with self.page() as page:
             page.table("rows?version=001")

@@ -127,7 +127,7 @@ async function hovers(browser, cancelled) {
     await browser.startTracing(page, { categories: ["toplevel", "__metadata"] });
     await page.goto(address);
     await page.locator("[role=option]").first().waitFor();
-    await page.locator(".candidates [role=status]", { hasText: /tested|all fitted/ }).waitFor();
+    await page.locator(".candidates [role=status]", { hasText: "tested" }).waitFor();
     await page.locator('[data-plot="residual against covariate"] [data-drawn=true]').waitFor();
     const ids = await page.locator("[role=option]").evaluateAll((all) => all.slice(0, 12).map((one) => one.id));
     for (const [i, id] of ids.entries()) {

@@ -52,7 +52,7 @@ void Looking::cancel() {
 
 bool Looking::runs(uint64_t opened, const std::string& version) const {
   const std::lock_guard lock(mutex_);
-  return running_ && running_->opened == opened && running_->version == version;
+  return running_ && !over_ && running_->opened == opened && running_->version == version;
 }
 
 void Looking::run_alone(const std::vector<std::string>& command,
@@ -94,7 +94,7 @@ void Looking::work() {
       job = *std::move(wanted_);
       wanted_.reset();
       running_ = job;
-      cancelled_ = false;
+      cancelled_ = over_ = false;
       child_.allow();
     }
     run(job);
@@ -124,6 +124,7 @@ void Looking::run(const LookJob& job) {
   {
     const std::lock_guard lock(mutex_);
     cancelled = cancelled_;
+    over_ = true;  // What is told of the end says that it has ended.
   }
   ended_(job, trouble, stopped && cancelled);
 }

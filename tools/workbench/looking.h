@@ -51,6 +51,7 @@ class Looking {
   std::condition_variable changed_;
   std::optional<LookJob> wanted_, running_;
   bool alone_ = false, cancelled_ = false, ending_ = false;
+  bool over_ = false;  // What runs has ended; its results are being taken.
   std::jthread thread_;
 };
 
