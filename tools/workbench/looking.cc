@@ -124,7 +124,7 @@ void Looking::run(const LookJob& job) {
   {
     const std::lock_guard lock(mutex_);
     cancelled = cancelled_;
-    over_ = true;  // What is told of the end says that it has ended.
+    over_ = true;  // The last event, too, says that the look has ended.
   }
   ended_(job, trouble, stopped && cancelled);
 }
