@@ -8,12 +8,12 @@ import { launch, openPage, settled } from "./tests/browser.mjs";
 import { makeFrames, makeOutcomes, makeRoom, samples, titles } from "./tests/made_sets.mjs";
 import { startProgram } from "./tests/program.mjs";
 
-const [share, program, source, out] = process.argv.slice(2);
+const [share, program, folder, out] = process.argv.slice(2);
 if (!out) {
   console.error("usage: node web/workbench_pictures.mjs SHARE SEAM SOURCE OUT");
   process.exit(2);
 }
-const seam = resolve(program), scratch = join(tmpdir(), "workbench"); // Its name is in the pictures.
+const seam = resolve(program), source = resolve(folder), scratch = join(tmpdir(), "workbench"); // Its name is in the pictures.
 const limit_ms = 600_000, wide = { width: 1280, height: 800 }, narrow = { width: 390, height: 844 };
 mkdirSync(out, { recursive: true });
 mkdirSync(scratch); // It must not be there: it is removed in the end.
