@@ -1,4 +1,6 @@
 """Causes outside the catalogue: what a program says of them, and what it should not say."""
+import re
+
 import scores
 
 # A formula is right that leaves no more than this of the noise on held-out groups.
@@ -12,12 +14,17 @@ def stand_ins(given):
     return [name["effect"] for name in given["names"] if not name.get("hint")]
 
 
+def is_named(right, name):
+    """Whether all words of the right quantity stand in the one that was named."""
+    return set(re.findall(r"\w+", right)) <= set(re.findall(r"\w+", name))
+
+
 def judged(truth, given):
     """(said so and on what, said so, formula right, no stand-in)"""
     if given is None or given["failed"]:
         return False, False, False, False
     said = given["unexplained"]
-    on_what = any(right in name for name in given.get("depends_on", ()) for right in truth["depends_on"])
+    on_what = any(is_named(right, name) for name in given.get("depends_on", ()) for right in truth["depends_on"])
     left = given.get("formula_error")
     return said and on_what, said, said and left is not None and left < MOST_LEFT, not stand_ins(given)
 

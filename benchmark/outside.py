@@ -9,7 +9,8 @@ import numpy as np
 
 IMAGE = ("column", "row", "radius", "view")
 BOARD = ("target x", "target y", "target z")
-MOTION = ("command_rad", "command_rate", "joint_rate", "joint_acceleration", "sign(joint_rate)")
+ANGLE = ("joint", "command_rad")
+MOTION = (*ANGLE, "command_rate", "joint_rate", "joint_acceleration", "sign(joint_rate)")
 PIXELS = ("row", "column", "radius", "neighbour", "pixel")
 
 # Of each sort its causes, and on what residuals depend: any of these names is right.
@@ -19,9 +20,9 @@ DEPENDS_ON = {
                "folded board": BOARD},
     "videos": {"twisted board": BOARD, "glass": IMAGE, "hunting focus": ("time", "view")},
     "servos": {"slow drift": ("time",), "potentiometer": ("command_rad",), "floor shakes": ("time",),
-               "one sided gain": MOTION[:1], "creep": (*MOTION, "time"), "warm mount": ("temperature_c", "time"),
-               "coarse clock": (*MOTION[1:], "time")},
-    "motors": {"cogging": MOTION[:1], "warming motor": ("time",), "air drag": MOTION[1:], "cable": MOTION[:1],
+               "one sided gain": ANGLE, "creep": (*MOTION, "time"), "warm mount": ("temperature_c", "time"),
+               "coarse clock": (*MOTION[2:], "time")},
+    "motors": {"cogging": ANGLE, "warming motor": ("time",), "air drag": MOTION[2:], "cable": ANGLE,
                "stiff spot": MOTION},
     "landmarks": {"rotating mirror": ("bearing",), "warming": ("time",), "multipath": ("range",), "near field": ("range",),
                   "edge of lens": ("bearing",), "leaning body": ("speed",), "beacon clocks": ("time", "landmark")},

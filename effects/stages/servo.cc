@@ -326,6 +326,12 @@ void Servo::begin_moving(double radps, double command_rad, bool enabled, double 
   input_.command_rad = command_rad, input_.enabled = enabled, input_.kp = kp;
 }
 
+void Servo::nudge(double rad, double radps, double rad_per_s2) {
+  state_.motor_rad += rad, state_.load_rad += rad;
+  state_.motor_radps += radps;
+  model_.torque.asymmetry_rad_per_s2 -= rad_per_s2;  // A load that is constant.
+}
+
 // No command acts: the drive stays where it is, and what hangs on it elastically swings on.
 void Servo::rest(double dt_s) {
   state_.motor_radps = 0;

@@ -93,6 +93,10 @@ class Servo {
   // By how much a motor is warmer from now on than the reference.
   void set_warmer(double warmer_k) { input_.strength = model_.torque.strength_at(warmer_k); }
 
+  // Moves a motor by this much at once, and pushes it from now on: what small changes make of a
+  // motion shows where one goes on so and another as it was.
+  void nudge(double rad, double radps, double rad_per_s2);
+
   // Moves to `t_s`, to just before commands that act at that very time (within a nanosecond).
   void advance_to(double t_s);
 

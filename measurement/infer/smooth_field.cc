@@ -175,6 +175,7 @@ Columns columns_of(const Facts& facts, const SmoothField& field) {
           const bool here = parts == 1 || part_of_row[row] == static_cast<int>(part);
           column[i] *= here ? weight * basis.values[k][row] : 0;
         }
+        if (field.place->arrives) field.place->arrives(column);
       }
     }
   }

@@ -4,6 +4,7 @@
 // Definitions: docs/reference/definitions.md; vocabulary: facts.h.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -27,6 +28,9 @@ struct FieldPlace {
   std::vector<Covariate> covariates;
   std::vector<int> part_of_row;  // A function of its own for each part, such as a view; empty: one.
   std::string part;              // What a part is: "view".
+  // Turns a function times a slope, by scalar, into what arrives in the residuals: a torque acts on
+  // all later angles. Empty: itself.
+  std::function<void(std::vector<double>&)> arrives;
 };
 
 // Fewer groups than this are few (docs/reference/definitions.md, "Held-out groups").

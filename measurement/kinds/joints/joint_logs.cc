@@ -244,8 +244,9 @@ JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column
   return set;
 }
 
-std::vector<double> predict_joint_log(const Model& model, const JointLogs& set, const JointLog& log,
-                                      double start_rad, double start_radps) {
+std::vector<double> predict_joint_log(
+    const Model& model, const JointLogs& set, const JointLog& log, double start_rad,
+    double start_radps, const std::function<void(size_t, const effects::Servo&)>& at_row) {
   const effects::ServoModel servo = effects::servo_of(model);
   FormulaColumns columns(log);
   effects::JointSample sample{
@@ -285,6 +286,7 @@ std::vector<double> predict_joint_log(const Model& model, const JointLogs& set, 
     joint.command(log.time_s[k], log.command_rad[k], log.enabled[k] != 0, log.kp[k]);
     joint.set_voltage(log.voltage[k]);
     joint.set_warmer(log.warmer_k[k]);
+    if (at_row) at_row(k, joint);
   }
   return angles;
 }

@@ -14,17 +14,10 @@
 #include "measurement/noise/hidden_errors.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/parallel_for.h"
+#include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
-namespace {
-
-// Slope and value at row k of a parabola through the rows around it, without row k itself, so that
-// its own noise is not in its covariates.
-struct Around {
-  double value = NAN, slope = NAN, curvature = NAN;
-};
-
 Around parabola_around(const std::vector<double>& t, const std::vector<double>& x, size_t k) {
   constexpr size_t kReach = 4;
   const size_t from = k >= kReach ? k - kReach : 0, to = std::min(t.size(), k + kReach + 1);
@@ -44,8 +37,6 @@ Around parabola_around(const std::vector<double>& t, const std::vector<double>& 
   if (rank < 3) return {};
   return {c[0], c[1], 2 * c[2]};
 }
-
-}  // namespace
 
 JointsProblem::JointsProblem(const MeasurementSet& set) {
   const CsvTable table = set.table("joints");
@@ -139,34 +130,6 @@ void JointsProblem::add_covariates() {
   }
 }
 
-std::vector<FieldPlace> JointsProblem::field_places(const Model&, const Evaluation& here) const {
-  std::map<std::string, FieldPlace> places;  // By joint.
-  for (const JointLog& log : set_.logs) {
-    std::vector<double> predicted_rad;
-    for (size_t k = 0; k < log.rows.size(); ++k)
-      predicted_rad.push_back(log.measured_rad[k] - here.residual[log.rows[k]]);
-    FieldPlace& place = places[log.joint];
-    if (place.slopes.empty()) {
-      // Rows of other joints, on which it does not act, count with a value within its range.
-      const size_t rows = facts_.rows();
-      place.slopes = {std::vector<double>(rows, 0)};
-      place.covariates = {
-          {.name = log.joint, .values = std::vector<double>(rows, predicted_rad[0])},
-          {.name = log.joint + "_rate", .values = std::vector<double>(rows, 0)}};
-    }
-    for (size_t k = 0; k < log.rows.size(); ++k) {
-      const size_t row = log.rows[k];
-      const double slope = parabola_around(log.time_s, predicted_rad, k).slope;
-      place.slopes[0][row] = 1;
-      place.covariates[0].values[row] = predicted_rad[k];
-      place.covariates[1].values[row] = std::isfinite(slope) ? slope : 0;
-    }
-  }
-  std::vector<FieldPlace> all;
-  for (auto& [joint, place] : places) all.push_back(std::move(place));
-  return all;
-}
-
 // Residuals of the logs, each from the start that fits it best.
 void JointsProblem::evaluate_logs(const Model& model, const Groups& groups, double sigma_rad,
                                   const Evaluation* warm, Evaluation& evaluation) const {
@@ -258,27 +221,6 @@ void JointsProblem::whiten_wander(const effects::Noise& noise, const Groups& gro
     for (size_t k = 0; k < log.rows.size(); ++k) errors.observe(log.rows[k], log.time_s[k], shares);
   }
   errors.whiten(facts_, evaluation);
-}
-
-// An error that wanders is whitened in a column as it is in the residuals: a function of what the
-// joint does is separated from it.
-std::vector<std::vector<double>> JointsProblem::following(
-    const Model& model, const Groups& groups, const Evaluation& here,
-    std::vector<std::vector<double>> columns) const {
-  const effects::Noise noise = effects::noise_of(model);
-  const auto [sigma, rounded] = reading_of(model);
-  if (noise.joint.empty() || rounded)
-    return Problem::following(model, groups, here, std::move(columns));
-  Evaluation made;
-  for (std::vector<double>& column : columns) {
-    made.residual = std::move(column);
-    for (size_t i = 0; i < made.residual.size(); ++i) made.residual[i] *= here.sigma[i];
-    made.sigma.assign(facts_.scalars(), sigma);
-    whiten_diagonal(*this, groups, made);
-    whiten_wander(noise, groups, made);
-    column = std::move(made.whitened);
-  }
-  return columns;
 }
 
 namespace {
@@ -378,6 +320,48 @@ Kind joints_kind() {
           .measure = [](const Model& truth, const MeasurementSet& protocol,
                         const MeasureOptions& options,
                         const Instruments&) { measure_joints(truth, protocol, options); }};
+}
+
+// Right after a change of command a missing effect leaves residuals that stand out of their
+// neighbours just as gross errors do; what tells them apart is that the former come with nearly
+// every change of that size.
+std::vector<char> JointsProblem::find_outliers(const Model& model) const {
+  std::vector<char> outlier = Problem::find_outliers(model);
+  if (std::find(outlier.begin(), outlier.end(), 1) == outlier.end()) return outlier;
+  constexpr size_t kMemory = 4;      // Rows for which a change of command counts as recent.
+  constexpr double kOftenIs = 0.05;  // A larger share of like rows is no accident.
+  const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
+  // By row (one scalar a row): the recent range of the command, and the distance to neighbours.
+  std::vector<double> range(facts_.rows(), 0), distance(facts_.rows(), 0);
+  for (const JointLog& log : set_.logs) {
+    for (size_t k = 0; k < log.rows.size(); ++k) {
+      const size_t row = log.rows[k];
+      const size_t from = k > kMemory ? k - kMemory : 0;
+      const auto [low, high] =
+          std::minmax_element(log.command_rad.begin() + static_cast<std::ptrdiff_t>(from),
+                              log.command_rad.begin() + static_cast<std::ptrdiff_t>(k) + 1);
+      // The joint's own way from its start counts as a change of command.
+      const double start = k <= kMemory ? std::abs(log.command_rad[0] - log.measured_rad[0]) : 0;
+      range[row] = std::max(*high - *low, start);
+      std::vector<double> around;
+      for (const int other : neighbours(row, kNearRows))
+        around.push_back(evaluation.residual[other]);
+      distance[row] =
+          std::abs(evaluation.residual[row] - (around.size() < 3 ? 0 : median_of(around)));
+    }
+  }
+  std::vector<char> kept = outlier;
+  for (size_t row = 0; row < outlier.size(); ++row) {
+    if (!outlier[row] || distance[row] > 1.2 * range[row]) continue;
+    size_t like = 0, deviating = 0;
+    for (size_t other = 0; other < outlier.size(); ++other) {
+      if (range[other] < distance[row]) continue;
+      ++like;
+      deviating += outlier[other] && distance[other] > 0.3 * distance[row];
+    }
+    if (static_cast<double>(deviating) > kOftenIs * static_cast<double>(like)) kept[row] = 0;
+  }
+  return kept;
 }
 
 }  // namespace seam::measurement

@@ -2,6 +2,7 @@
 // the angle at each row from the commands before it.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "effects/stages/joint_track.h"
+#include "effects/stages/servo.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/noise/rounded_angle.h"
 #include "measurement/problem/memo.h"
@@ -67,8 +69,17 @@ std::optional<Model> trade_that_helps(const Model& model, const std::vector<Unkn
 
 // What the model says the log shows at each row, for a joint whose log shows `start_rad` at rest
 // until the first command acts. A motor that begins in motion is under its first command already.
-std::vector<double> predict_joint_log(const Model& model, const JointLogs& set, const JointLog& log,
-                                      double start_rad, double start_radps = 0);
+// `at_row` sees the joint at each row, about to go on.
+std::vector<double> predict_joint_log(
+    const Model& model, const JointLogs& set, const JointLog& log, double start_rad,
+    double start_radps = 0, const std::function<void(size_t, const effects::Servo&)>& at_row = {});
+
+// Of a parabola through the values around one, without that itself: its noise is not in what
+// residuals are held against.
+struct Around {
+  double value = NAN, slope = NAN, curvature = NAN;
+};
+Around parabola_around(const std::vector<double>& t, const std::vector<double>& x, size_t k);
 
 // One sigma of a single observation, from each row against a cubic through its neighbours: robust,
 // without any model. Rows that repeat their neighbours do not count. The floor is rounding to the
@@ -102,7 +113,8 @@ class JointsProblem : public Problem {
   bool is_smooth(const Model& model) const override;
   std::vector<std::string> formula_columns() const override { return set_.column_names; }
   std::vector<char> find_outliers(const Model& model) const override;
-  // At each joint's angle and rate as the model predicts them: what repeats over the turn.
+  // At each joint's angle and rate as the model predicts them, what repeats over the turn: in the
+  // angle that is logged, and in the torque that moves a motor.
   std::vector<FieldPlace> field_places(const Model& model, const Evaluation& here) const override;
   std::vector<std::vector<double>> following(
       const Model& model, const Groups& groups, const Evaluation& here,

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "effects/registry.h"
 #include "measurement/fitting/assess.h"
@@ -18,6 +19,12 @@ namespace {
 const char* const kFree =
     "  motor_servo: {stall_rad_per_s2: {value: 200, free: true}, back_emf_per_s: {value: 10, free: "
     "true}, gain: {value: 0.1, free: true}}\n";
+
+double rms_of(const std::vector<double>& values) {
+  double sum2 = 0;
+  for (const double value : values) sum2 += value * value;
+  return std::sqrt(sum2 / static_cast<double>(values.size()));
+}
 
 // A fit that saturates everywhere swings from side to side, and no step leads from there.
 TEST(MotorSearch, AFitThatACandidateLeftForABetterPlaceGoesOnThere) {
@@ -109,6 +116,61 @@ TEST(JointFields, AnErrorThatRepeatsOverTheTurnDependsOnThePredictedAngle) {
   ASSERT_TRUE(cause);
   EXPECT_EQ(cause->depends_on[0][0], "arm");
   EXPECT_NEAR(cause->error_after, 1, 0.1);
+}
+
+// A torque acts on all later angles: against loads that are changed a little, one of them constant.
+TEST(JointFields, ATorqueReachesAllLaterAngles) {
+  const std::string rest =
+      "  motor_servo: {stall_rad_per_s2: 200, back_emf_per_s: 10, gain: 0.1}\n"
+      "  coulomb_friction: {rad_per_s2: 3}\n";
+  const auto with = [&](double gravity, double constant) {
+    return model_of(rest + fmt::format("  gravity_torque: {{rad_per_s2: {}, level_rad: 0}}\n"
+                                       "  friction_asymmetry: {{rad_per_s2: {}}}\n",
+                                       gravity, constant));
+  };
+  const Model model = with(20, 0);
+  const JointsProblem problem = MadeSet("field-torque").made_by(model, 6);
+  const Groups all = problem.all_groups();
+  const Evaluation here = problem.evaluate(model, all, nullptr);
+  const std::vector<FieldPlace> places = problem.field_places(model, here);
+  ASSERT_EQ(places.size(), 2u);
+  EXPECT_EQ(places[1].covariates.back().name, "time");
+  constexpr double kBy = 0.001;
+  const auto change = [&](const Model& other) {
+    std::vector<double> change = problem.evaluate(other, all, &here).residual;
+    for (size_t i = 0; i < change.size(); ++i) change[i] = (change[i] - here.residual[i]) / kBy;
+    return change;
+  };
+  const std::vector<double> by_constant = change(with(20, kBy)),
+                            by_gravity = change(with(20 + kBy, 0));
+  std::vector<double> constant = places[1].slopes[0], gravity = constant;
+  for (size_t i = 0; i < gravity.size(); ++i)
+    gravity[i] *= std::cos(places[1].covariates[0].values[i]);
+  places[1].arrives(constant), places[1].arrives(gravity);
+  const double unit = rms_of(by_constant);
+  EXPECT_NEAR(rms_of(constant), 1, 1e-9);
+  EXPECT_NEAR(rms_of(gravity), rms_of(by_gravity) / unit, 0.01);
+  const auto misses = [&](std::vector<double> of, const std::vector<double>& by) {
+    for (size_t i = 0; i < of.size(); ++i) of[i] -= by[i] / unit;
+    return rms_of(of);
+  };
+  EXPECT_LT(misses(constant, by_constant), 0.02);
+  EXPECT_LT(misses(gravity, by_gravity), 0.02);
+  EXPECT_GT(misses(gravity, by_constant), 0.1);
+}
+
+// A load acts on the torque, and on no angle as such.
+TEST(JointFields, ATorqueWithoutANameIsFoundByTheAngle) {
+  const std::string motor =
+      "  motor_servo: {stall_rad_per_s2: 200, back_emf_per_s: 10, gain: 0.1}\n";
+  const JointsProblem problem =
+      MadeSet("field-load")
+          .made_by(model_of(motor + "  gravity_torque: {rad_per_s2: 4, level_rad: 0.3}\n"), 6);
+  const Assessment given = assess_fixed(problem, model_of(motor));
+  const auto cause = unnamed_cause(problem, {{&given, given.total_ll}}, kMaterial);
+  ASSERT_TRUE(cause);
+  EXPECT_EQ(cause->depends_on[0][0], "arm");
+  EXPECT_LT(cause->error_after, 0.2 * given.error);
 }
 
 // Friction holds this joint wherever its command calls it: rows at rest say of a motor without any
