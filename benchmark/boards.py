@@ -61,8 +61,28 @@ def through_glass(points, glass):
     return normal + across * (slope / np.maximum(aside, 1e-12))[..., None]
 
 
+def through_port(points, port):
+    """Points in air that are seen where those beyond a port square to the axis are: by halving, from Snell's law."""
+    aside = np.hypot(points[..., 0], points[..., 1])
+    pane = port.get("thickness_m", 0)
+    ways = ((1.0, port["distance_m"]), (1.49, pane), (port["index"], points[..., 2] - port["distance_m"] - pane))
+    low, high = np.zeros(aside.shape), np.full(aside.shape, 1.0)
+    for _ in range(60):
+        sine = 0.5 * (low + high)
+        short = sum(way * (sine / index) / np.sqrt(1 - (sine / index) ** 2) for index, way in ways) < aside
+        low, high = np.where(short, sine, low), np.where(short, high, sine)
+    there = points.copy()
+    there[..., 2] = aside * np.sqrt(1 - low ** 2) / np.maximum(low, 1e-15)
+    return there
+
+
+def as_in_air(effects, points):
+    return through_port(points, effects["flat_port"]) if "flat_port" in effects else points
+
+
 def seen(camera, effects, points):
     """Pixels of points in the camera's frame."""
+    points = as_in_air(effects, points)
     if "glass" in effects:
         points = through_glass(points, effects["glass"])
     x, y = bent(effects, points[..., 0] / points[..., 2], points[..., 1] / points[..., 2])
@@ -148,6 +168,7 @@ def draw_effect(draw, name, camera, extent, px_m, video):
             "glass": lambda: {"thick_m": draw.uniform(0.03, 0.08) * extent * 2, "index": 1.52,
                               "tilt_rad": draw.uniform(0.3, 0.6), "way_rad": draw.uniform(-math.pi, math.pi)},
             "twisted board": lambda: {"m": draw.signed(0.006, 0.02) * extent},
+            "flat_port": lambda: {"index": draw.uniform(1.333, 1.343), "distance_m": draw.uniform(0.01, 0.08)},
             "pixel phase": lambda: {"px": draw.uniform(0.5, 1) * 0.2},
             # A zoom that creeps while a video is taken; in still views, a camera that warms up.
             "focal_drift": lambda: {"per_s": draw.signed(*((0.05, 0.15) if video else (6e-5, 1.5e-4)))}}.get(
@@ -175,8 +196,12 @@ class Scene:
         self.hidden = {name: draw_effect(draw, name, self.camera, self.extent, px_m, self.video) for name in names}
         self.effects = dict(self.hidden)
         self.known_lens = "radial_polynomial" not in self.hidden and draw.chance(0.5)
+        # A port before a camera that was calibrated in air, in every second pair of sets; some ports are thick.
+        self.calibrated = plan.cause == "flat_port" and plan.number % 4 < 2
         if self.known_lens:
             self.effects["radial_polynomial"] = draw_radial(draw, self.camera)
+        if "flat_port" in self.hidden and plan.number % 6 == 1:
+            self.effects["flat_port"] = self.hidden["flat_port"] | {"thickness_m": draw.uniform(0.002, 0.008)}
         self.outside = ""
         if plan.course == "outside":
             strange = plan.strange(STRANGE[plan.base])
@@ -208,8 +233,13 @@ class Scene:
             nominal["radial_polynomial"] = {"k1": Free(0.0), "k2": Free(0.0)}
             lens = self.effects["radial_polynomial"]
             nuisance["radial_polynomial"] = {"k1": Free(lens["k1"]), "k2": Free(lens["k2"])}
+        if self.calibrated:
+            nominal = {"pinhole": {name: camera[name] for name in PINHOLE}} | {
+                name: self.effects[name] for name in ("radial_polynomial",) if self.known_lens}
+            nuisance = {}
         ties = {"tangential_distortion": ["thin_prism"], "thin_prism": ["tangential_distortion"],
-                "radial_polynomial": ["rational_lens"]}
+                "radial_polynomial": ["rational_lens"],
+                "flat_port": [] if self.calibrated else ["radial_polynomial", "radial_distortion", "rational_lens", "fisheye"]}
         if "radial_polynomial" in self.hidden and like_one_number(self.hidden["radial_polynomial"], camera, self.noise):
             ties["radial_polynomial"].append("radial_distortion")
         settings = (f"camera: {{width_px: {w}, height_px: {h}, frame_period_s: {1 / 30:.9f}}}\ngroup: frame\n"
@@ -217,6 +247,7 @@ class Scene:
                     + f"files: {{points: points.csv}}\nrig: {kind_settings}\n")
         return MadeSet(kind="points", settings=settings, tables={"points.csv": table}, nominal=nominal,
                        hidden=self.hidden, nuisance=nuisance, traces=self.traces, outside=self.outside,
+                       unscored=["flat_port.distance_m"] if "thickness_m" in self.effects.get("flat_port", {}) else [],
                        ties={name: ties[name] for name in self.hidden if name in ties},
                        allowed=["point_scatter"] if self.plan.gross else [], noise_stated=self.stated)
 
@@ -251,7 +282,8 @@ def draw_poses(scene, count):
                                                                            + 0.1 * draw.normal())
         there = scene.board @ rotation.T + distance * ray
         u, v = seen(camera, scene.effects, there)
-        radius = np.hypot(there[:, 0], there[:, 1]) / there[:, 2]
+        bare = as_in_air(scene.effects, there)
+        radius = np.hypot(bare[:, 0], bare[:, 1]) / bare[:, 2]
         if np.sum(within(camera, u, v) & (radius < 1.1 * camera["corner"])) >= max(16, 0.4 * len(scene.board)):
             poses.append((rotation, distance * ray))
     return poses
@@ -272,6 +304,7 @@ def boards(plan):
     points = np.tile(np.arange(len(scene.board)), len(poses))
     frames = np.repeat(np.arange(len(poses)), len(scene.board))
     there = displaced(scene.board, scene.effects, scene.draw) @ np.swapaxes(rotations, 1, 2) + places[:, None]
+    there = as_in_air(scene.effects, there)
     radius = (np.hypot(there[..., 0], there[..., 1]) / there[..., 2]).ravel()
     inside = within(scene.camera, *pixels) & (radius < 1.1 * scene.camera["corner"])
     return scene.made("{pose: unknown}", scene.table(frames, times[frames], points, pixels, inside))

@@ -50,6 +50,7 @@
   X(board_flex)               \
   X(board_sway)               \
   X(view_motion)              \
+  X(flat_port)                \
   X(pupil_shift)              \
   X(pinhole)                  \
   X(fisheye)                  \

@@ -126,6 +126,15 @@ def fisheye(p, x, y, z):
     return t * (1 + sum(k * t ** (2 * i + 2) for i, k in enumerate(p))) / math.hypot(x, y)
 
 
+def through_port(p, x, y, z):
+    """The tangent of a point's ray in air, over the point's radius: by halving, from Snell's law in angles."""
+    r = math.hypot(x, y)
+    def meets(angle):
+        pane, beyond = math.asin(math.sin(angle) / 1.49), math.asin(math.sin(angle) / p[0])
+        return p[1] * math.tan(angle) + p[2] * math.tan(pane) + (z - p[1] - p[2]) * math.tan(beyond)
+    return math.tan(root(lambda angle: meets(angle) - r, 0, 1.5)) / r
+
+
 def slid(p, x, y, z):
     """Depth of a point from the pupil that its ray enters by."""
     r = math.hypot(x, y)
@@ -292,6 +301,9 @@ PROOFS = [
     ("focus_variation", [0.015], RAY, {"u_px": "160 * 0.24 + 88.5", "u_focus_sigma_px": "p[0] * 160 * 0.24",
                                        "v_focus_sigma_px": "p[0] * 162 * 0.16"}),
     ("focus_variation", [0.1], OTHER_RAY, {"u_focus_sigma_px": "p[0] * 160 * 0.6", "v_focus_sigma_px": "p[0] * 162 * 0.4"}),
+    ("flat_port", [1.333, 0.03, 0], RAY, image("through_port(p, x_m, y_m, z_m) * x_m", "through_port(p, x_m, y_m, z_m) * y_m")),
+    ("flat_port", [1.34, 0.05, 0.02], OTHER_RAY,
+     image("through_port(p, x_m, y_m, z_m) * x_m", "through_port(p, x_m, y_m, z_m) * y_m")),
     ("pupil_shift", [0.003], RAY, image("x_m / slid(p, x_m, y_m, z_m)", "y_m / slid(p, x_m, y_m, z_m)")),
     ("pupil_shift", [-0.008], OTHER_RAY, image("x_m / slid(p, x_m, y_m, z_m)", "y_m / slid(p, x_m, y_m, z_m)")),
     ("fisheye", [-0.02, 0.001, 0, 0], RAY, image("fisheye(p, x_m, y_m, z_m) * x_m", "fisheye(p, x_m, y_m, z_m) * y_m")),
@@ -553,7 +565,7 @@ def proof_of(effect, values, given, expected, tolerance=None):
     names = {name: value for name, value in given}
     names.update(p=values, math=math, root=root, play=play, turned=turned, walked=walked, fisheye=fisheye, slid=slid,
                  tangential=tangential, rational=rational, swung=swung, sprung=sprung, beside=beside,
-                 rolled=rolled, elastic=elastic)
+                 rolled=rolled, elastic=elastic, through_port=through_port)
     found = {name: eval(text, dict(names)) for name, text in expected.items()}
     pairs = lambda items: "{" + ", ".join(f'{{"{name}", {number(value)}}}' for name, value in items) + "}"
     text = f"{{.values = {{{', '.join(number(v) for v in values)}}}"

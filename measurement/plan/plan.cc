@@ -177,7 +177,9 @@ Planner::Sized Planner::sized(const Seen& seen, size_t parameter) const {
     out.parameter.sigma = there->sigma;
     const double scale = Detection(there->look).scale_found(kMostScale);
     if (!std::isfinite(scale)) return out;
-    if (std::abs(scale - 1) < kGoodTo || step + 1 == kMostSteps) {
+    // The least that there is, where a gap lies between it and absent.
+    const bool least_of_all = scale < 1 && away == (away > 0 ? least : most);
+    if (std::abs(scale - 1) < kGoodTo || least_of_all || step + 1 == kMostSteps) {
       out.shift = there->shift, out.gain = gain_of(there->look.whole(), base_columns(seen));
       out.parameter.smallest_found =
           std::abs(coordinate.to_value(neutral + away) -

@@ -64,7 +64,7 @@ class Study {
       result.stopped = !sigma;
       if (!sigma) return result;
       for (const double size : plan_.sizes)
-        result.rows.push_back({.size = size, .value = neutral() + size * *sigma});
+        result.rows.push_back({.size = size, .value = beyond_gap(neutral() + size * *sigma)});
     }
     for (const double value : plan_.values) result.rows.push_back({.size = kNaN, .value = value});
     // One set of each row after the other, so that a study that is stopped, or is made longer
@@ -96,6 +96,13 @@ class Study {
   static constexpr uint64_t kStandardError = 0, kFirstSet = 1;  // Numbers of jobs.
 
   double neutral() const { return effect_->parameters[parameter_].neutral; }
+  // At least the least that there is, where a gap lies between it and absent.
+  double beyond_gap(double value) const {
+    const effects::Parameter& parameter = effect_->parameters[parameter_];
+    if (value > neutral()) return std::max(value, parameter.min);
+    if (value < neutral()) return std::min(value, parameter.max);
+    return value;
+  }
 
   Model truth(double value) const {
     Model model = truth_;
