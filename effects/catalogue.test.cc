@@ -134,7 +134,7 @@ TEST_P(Catalogue, HelpAndExampleAreWhole) {
     EXPECT_GT(parameter.scale, 0) << parameter.name;
     const bool inside = parameter.neutral >= parameter.min && parameter.neutral <= parameter.max;
     // The neutral value of a count (bits: as many as the file has) is no count itself. Where a gap
-    // lies between absent and the least size that there is, a fit is told where to start.
+    // lies between absent and the least size that there is, the record has starts of fits.
     EXPECT_TRUE(parameter.required || parameter.integer || inside ||
                 std::isinf(parameter.neutral) || !effect->starts.empty())
         << parameter.name;
