@@ -36,6 +36,7 @@ class Residuals {
   bool valid() const { return !scalars_.empty(); }
   // The best functions, one after another, while each gains; nothing where the first does not.
   std::optional<UnnamedCause> best_cause(std::vector<TriedFunction>* tried);
+  double squares() const { return rest_.squaredNorm(); }
 
  private:
   // A function's columns, without what follows them, and what they gain.
@@ -216,6 +217,33 @@ std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
       best = std::move(cause);
   }
   return best;
+}
+
+double own_share(const Problem& problem, const Assessment& explanation,
+                 const std::vector<std::string>& effects) {
+  // Residuals, and what smooth functions gain of them.
+  struct Left {
+    double squares = 0, gain = 0;
+  };
+  const auto left_by = [&](const Model& model,
+                           const std::vector<Unknown>& unknowns) -> std::optional<Left> {
+    Residuals residuals(problem, model, unknowns);
+    if (!residuals.valid()) return std::nullopt;
+    Left left{.squares = residuals.squares()};
+    if (const auto cause = residuals.best_cause(nullptr)) left.gain = cause->lead;
+    return left;
+  };
+  Model model = explanation.model;
+  std::vector<Unknown> unknowns = explanation.unknowns;
+  for (const std::string& effect : effects) {
+    model.remove(effect);
+    std::erase_if(unknowns, [&](const Unknown& unknown) { return unknown.effect == effect; });
+  }
+  const auto with = left_by(explanation.model, explanation.unknowns),
+             without = left_by(model, unknowns);
+  if (!with || !without) return 1;
+  const double taken = 0.5 * (without->squares - with->squares);
+  return taken > 0 ? 1 - (without->gain - with->gain) / taken : 1;
 }
 
 }  // namespace seam::measurement

@@ -161,6 +161,13 @@ inline constexpr int kFewHeldOut = 30;
 // A cause without a name must be ahead of all named ones by this, at which the likelihood ratio is
 // 10,000 to 1: a field is free to be anything.
 inline constexpr double kUnnamedWidth = kTieReach * kTieWidth;
+// Beside such a cause, or where something speaks against it, an effect imitates what smooth
+// functions can do where less than this share of what it takes is its own. A judgement.
+inline constexpr double kOwnBesideUnnamed = 1.0 / 3;
+// Beside a cause without a name, an effect is missing for sure, and imitates nothing, where it
+// moves predictions by so many times what the cause does: what stands for a cause but for a tenth
+// would be its name. A judgement.
+inline constexpr double kFarAboveUnnamed = 10;
 // An exchange of one effect for another must gain this share of a tie's width: less is within what
 // two fits of one model differ by, and the search would go round in circles. A judgement.
 inline constexpr double kExchangeGain = 0.25;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "measurement/judge/decisions.h"
 #include "measurement/report/told.h"
 #include "measurement/search/order.h"
 
@@ -79,24 +80,39 @@ std::string unnamed_text(const SearchResult& result) {
          formula_sentence(result) + mimics_text(result);
 }
 
+// What a step has to move to be missing for sure: beside a cause without a name many times as much
+// as that and noise of unknown cause do. No step is where one is doubted: the model is another one.
+double least_for_sure(const SearchResult& result) {
+  double unknown = result.unnamed ? result.unnamed->noise_units : 0;
+  const std::vector<std::string> noises = noises_of_unknown_cause(result);
+  for (const Step& step : result.steps) {
+    if (!step.doubts.empty()) return std::numeric_limits<double>::infinity();
+    if (result.unnamed && std::find(noises.begin(), noises.end(), step.effect) != noises.end())
+      unknown = std::max(unknown, step.moved);
+  }
+  return kFarAboveUnnamed * unknown;
+}
+
 // What is missing, for sure, and what fits best and is doubted: there the true cause may be another
 // one.
 std::string steps_text(const SearchResult& result) {
-  std::vector<std::string> sure, doubtful, noises;
+  std::vector<std::string> sure, likely, doubtful, noises;
   const std::vector<std::string> unknown = noises_of_unknown_cause(result);
+  const double least = least_for_sure(result);
   const Step* most = nullptr;
   for (const Step& step : result.steps) {
     const bool noise = std::find(unknown.begin(), unknown.end(), step.effect) != unknown.end();
-    if (noise && step.doubts.empty()) {
-      noises.push_back(fmt::format("{} ({} x noise)", step.effect, two_digits(step.moved)));
-      continue;
-    }
+    const std::string moves = fmt::format("{} ({} x noise)", step.effect, two_digits(step.moved));
     if (!step.doubts.empty()) {
       doubtful.push_back(fmt::format("{} ({})", step.effect, fmt::join(step.doubts, "; ")));
-      continue;
+    } else if (noise) {
+      noises.push_back(moves);
+    } else if (step.moved < least) {
+      likely.push_back(moves);
+    } else {
+      sure.push_back(step.effect);
+      if (most == nullptr || step.moved > most->moved) most = &step;
     }
-    sure.push_back(step.effect);
-    if (most == nullptr || step.moved > most->moved) most = &step;
   }
   std::vector<std::string> parts;
   if (most != nullptr)
@@ -106,6 +122,9 @@ std::string steps_text(const SearchResult& result) {
   if (!doubtful.empty())
     parts.push_back(fmt::format("{} fits best, which establishes no cause: look for another",
                                 fmt::join(doubtful, " with ")));
+  if (!likely.empty())
+    parts.push_back(fmt::format("{} {}, which establishes nothing while a cause is unexplained",
+                                fmt::join(likely, ", "), likely.size() == 1 ? "helps" : "help"));
   if (!noises.empty())
     parts.push_back(fmt::format("noise of unknown cause: {}", fmt::join(noises, ", ")));
   return fmt::format("{}", fmt::join(parts, "; "));
@@ -156,7 +175,7 @@ std::string headline(const Problem& problem, const CompareResult& result) {
 std::string headline(const Problem& problem, const SearchResult& result, size_t traces) {
   if (result.unnamed && result.steps.empty()) return unnamed_text(result) + "\n";
   if (result.unnamed)
-    return fmt::format("{} What matters beside it: {}\n", unnamed_text(result), steps_text(result));
+    return fmt::format("{} Beside it: {}\n", unnamed_text(result), steps_text(result));
   if (result.verdict == "unexplained_structure" && !result.remaining.empty())
     return fmt::format("No known effect explains this: {}.{}{}\n",
                        strongest_text(problem, result.best.assessment, result.remaining),
@@ -164,7 +183,10 @@ std::string headline(const Problem& problem, const SearchResult& result, size_t 
                        result.mimics.empty() ? nearest_text(result) : mimics_text(result));
   if (result.steps.empty())
     return nothing_text(problem, result.best.assessment, result.material, traces);
-  return fmt::format("What matters: {}\n", steps_text(result));
+  const bool doubted = result.verdict == "unexplained_structure";
+  return fmt::format("{}: {}\n",
+                     doubted ? "No known effect explains this for sure" : "What matters",
+                     steps_text(result));
 }
 
 const std::vector<Structure>& traces_told(const SearchResult& result) {

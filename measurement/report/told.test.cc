@@ -118,6 +118,26 @@ TEST(Headline, SaysThatNoKnownEffectExplainsItAndWhatComesNearest) {
             "No known effect explains this: mean of u_px varies with time (1.5 x noise).\n");
 }
 
+// Beside a cause without a name nothing is established but what moves far more than that does.
+TEST(Headline, CallsNothingMissingBesideACauseThatDoesAboutAsMuch) {
+  const Room room;
+  SearchResult result;
+  result.verdict = "unexplained_structure";
+  result.unnamed.emplace();
+  result.unnamed->depends_on = {{"row"}};
+  result.unnamed->noise_units = 2;
+  result.steps = {{.effect = "focal_length_error", .moved = 12}};
+  EXPECT_NE(headline(room, result, 0)
+                .find("focal_length_error (12 x noise) helps, which "
+                      "establishes nothing while a cause is unexplained"),
+            std::string::npos)
+      << headline(room, result, 0);
+  result.steps[0].moved = 25;
+  EXPECT_NE(headline(room, result, 0).find("Beside it: focal_length_error is missing"),
+            std::string::npos)
+      << headline(room, result, 0);
+}
+
 // A value at the end of its range is no cause established, whatever it gains.
 TEST(Headline, CallsNothingMissingThatStandsAtABound) {
   const Room room;

@@ -375,6 +375,7 @@ SearchResult Searcher::run() {
   progress_("testing what structure remains");
   const SplitStructure of_base = significant_structure(problem_, base_.assessment, material_);
   give_verdict(problem_, of_base, result);
+  while (leave_out_doubted(problem_, result)) give_verdict(problem_, of_base, result);
   if (look_for_formula(problem_, progress_, result)) give_verdict(problem_, of_base, result);
   rank_by_search(problem_, result);
   widen_by_group_scatter(problem_, kMisfit, result.base.assessment);

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "measurement/judge/doubted.h"
+#include "measurement/search/choice.h"
 
 namespace seam::measurement {
 namespace {
@@ -34,6 +38,79 @@ void end_steps_at(size_t count, const Grown& best, SearchResult& result) {
 // What leaves more than the noise is no explanation: one that leaves none need only be ahead.
 bool explains_better(double lead, double error, const Grown& last) {
   return lead > kUnnamedWidth || (lead > 0 && last.assessment.error > kMisfit && error < kMisfit);
+}
+
+// The steps that are left, each fitted with those before it.
+void fit_steps_again(const Problem& problem, SearchResult& result) {
+  Grown part = result.best;
+  for (size_t left = result.steps.size(); left > 0; --left) {
+    Step& step = result.steps[left - 1];
+    step.after = part.assessment;
+    step.error_after = part.assessment.error;
+    step.error_before = result.base.assessment.error;
+    if (left < result.steps.size()) result.steps[left].error_before = step.error_after;
+    if (left == 1) break;
+    part = without(part, step.effect);
+    part.assessment = assess(problem, part.assessment.model, part.assessment.unknowns);
+  }
+}
+
+// Steps of the mean without which the model can be.
+std::vector<std::string> steps_in_question(const SearchResult& result) {
+  const Model& model = result.best.assessment.model;
+  std::vector<std::string> names;
+  for (const Step& step : result.steps) {
+    const effects::ModelEffect* effect = model.find(step.effect);
+    if (effect != nullptr && !effect->definition->unknown_cause &&
+        !effect->definition->spread_only && can_be_missed(model, step.effect))
+      names.push_back(step.effect);
+  }
+  return names;
+}
+
+// Steps that smooth functions can take the place of go, where the functions then explain something
+// and leave no more than `most_left`. Returns whether they went.
+bool leave_out(const Problem& problem, const std::vector<std::string>& names, double most_left,
+               SearchResult& result) {
+  Grown less = result.best;
+  for (const std::string& name : names) less = without(less, name);
+  less.assessment = assess(problem, less.assessment.model, less.assessment.unknowns);
+  if (!less.assessment.valid) return false;
+  auto cause = unnamed_beside(problem, {less}, result.material);
+  if (!cause || cause->error_after > most_left) return false;
+  if (result.mimics.empty()) result.mimics_error = result.best.assessment.error;
+  result.mimics.insert(result.mimics.begin(), names.begin(), names.end());
+  std::erase_if(result.steps, [&](const Step& step) {
+    return std::find(names.begin(), names.end(), step.effect) != names.end();
+  });
+  result.best = std::move(less);
+  result.unnamed = std::move(cause);
+  result.unnamed->beside = result.steps.size();
+  result.kept.clear();
+  fit_steps_again(problem, result);
+  return true;
+}
+
+// Beside a cause without a name a step may only stand for what smooth functions miss of it: one
+// after another those go of which the least is their own. What moves far more than the cause does
+// is no part of it.
+void leave_out_mimics(const Problem& problem, SearchResult& result) {
+  std::vector<std::string> names = steps_in_question(result);
+  const double far = kFarAboveUnnamed * result.unnamed->noise_units;
+  for (const Step& step : result.steps) {
+    if (step.moved >= far) std::erase(names, step.effect);
+  }
+  while (!names.empty()) {
+    double least = kOwnBesideUnnamed;
+    std::string mimic;
+    for (const std::string& name : names) {
+      const double own = own_share(problem, result.best.assessment, {name});
+      if (own < least) least = own, mimic = name;
+    }
+    if (mimic.empty()) return;
+    std::erase(names, mimic);
+    leave_out(problem, {mimic}, std::numeric_limits<double>::infinity(), result);
+  }
 }
 
 // How many of the first steps are none of spread: beside a spread, which takes whatever mean is
@@ -72,7 +149,23 @@ std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::ve
 void look_for_unnamed(const Problem& problem, SearchResult& result) {
   const std::vector<Grown> grown = explanations_of(result);
   result.unnamed = unnamed_beside(problem, grown, result.material, &result.functions);
-  if (result.unnamed) end_steps_at(result.unnamed->beside, grown[result.unnamed->beside], result);
+  if (!result.unnamed) return;
+  end_steps_at(result.unnamed->beside, grown[result.unnamed->beside], result);
+  leave_out_mimics(problem, result);
+}
+
+bool leave_out_doubted(const Problem& problem, SearchResult& result) {
+  std::vector<std::string> doubted = steps_in_question(result);
+  std::erase_if(doubted, [&](const std::string& name) {
+    return std::any_of(result.steps.begin(), result.steps.end(), [&](const Step& step) {
+      return step.effect == name && step.doubts.empty();
+    });
+  });
+  if (doubted.empty() || own_share(problem, result.best.assessment, doubted) >= kOwnBesideUnnamed ||
+      !leave_out(problem, doubted, kMisfit, result))
+    return false;
+  leave_out_mimics(problem, result);
+  return true;
 }
 
 bool look_for_formula(const Problem& problem, const Progress& progress, SearchResult& result) {

@@ -15,8 +15,13 @@ std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::ve
                                            std::vector<TriedFunction>* tried = nullptr);
 
 // Where smooth functions explain the set better beside some of the steps, the others imitate them:
-// they are steps no more.
+// they are steps no more. Neither are those that smooth functions can take the place of.
 void look_for_unnamed(const Problem& problem, SearchResult& result);
+
+// What speaks against a step leaves it no explanation: where smooth functions take most of what the
+// doubted steps take, and leave nothing but noise, they are steps no more. Returns whether they
+// went.
+bool leave_out_doubted(const Problem& problem, SearchResult& result);
 
 // The same for a formula: it is looked for where smooth functions were found, where the steps leave
 // more than noise, and instead of steps that are spreads. Returns whether steps went.

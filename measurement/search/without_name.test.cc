@@ -57,6 +57,77 @@ TEST(LookForUnnamed, AStepThatOnlyImitatesAWaveIsNoStep) {
   EXPECT_FALSE(result.best.assessment.model.has("cube"));
 }
 
+// y = level + cube x^3 + fast cos(60 x), of data that have a wave beside these: smooth functions do
+// what the cube does, and not the fast part. Each effect has its size and its shape.
+class CubeAndFast : public testing::Test {
+ protected:
+  static constexpr double kLevel = 0, kCube = 3, kFast = 60;
+
+  struct Waves : MadeProblem {
+    Waves() : MadeProblem(evenly(-1, 1, 600), kNoiseOfWave, sum_of) {
+      deal_into(12);
+      facts_.covariates = {{.name = "x", .values = x()}};
+      std::vector<double> y;
+      for (size_t i = 0; i < x().size(); ++i)
+        y.push_back(0.2 * std::sin(5 * x()[i]) +
+                    sum_of({1, kLevel, 0.5, kCube, 0.3, kFast}, x()[i]) +
+                    kNoiseOfWave * normal({7, 2}, i));
+      take(std::move(y));
+    }
+    static double sum_of(const std::vector<double>& p, double at) {
+      double sum = 0;
+      for (size_t k = 0; k + 1 < p.size(); k += 2)
+        sum += p[k] * (p[k + 1] == kFast ? std::cos(60 * at) : std::pow(at, p[k + 1]));
+      return sum;
+    }
+  };
+
+  CubeAndFast() {
+    Model model;
+    std::vector<Unknown> unknowns;
+    const std::vector<std::pair<std::string, double>> shapes = {
+        {"level", kLevel}, {"cube", kCube}, {"fast", kFast}};
+    for (const auto& [name, shape] : shapes) {
+      model.set(made_effect(name, {{.name = "size", .min = -100, .max = 100, .scale = 1},
+                                   {.name = "shape", .min = 0, .max = 100}}),
+                {{.value = 0}, {.value = shape}});
+      unknowns.push_back({name, 0});
+      const Assessment after = assess(problem_, model, unknowns);
+      if (unknowns.size() == 1) result_.base = result_.best = {.assessment = after};
+      if (unknowns.size() == 1) continue;
+      result_.best.added.push_back(name);
+      result_.best.assessment = after;
+      result_.steps.push_back({.effect = name, .after = after});
+    }
+  }
+
+  const Waves problem_;
+  SearchResult result_{.material = kMaterial};
+};
+
+TEST_F(CubeAndFast, AStepGoesThatFunctionsCanDoAndOneStaysThatTheyCannot) {
+  const Assessment best = result_.best.assessment;
+  EXPECT_LT(own_share(problem_, best, {"cube"}), 0.1);
+  EXPECT_GT(own_share(problem_, best, {"fast"}), 0.9);
+  look_for_unnamed(problem_, result_);
+  ASSERT_TRUE(result_.unnamed);
+  EXPECT_EQ(result_.mimics, std::vector<std::string>{"cube"});
+  ASSERT_EQ(result_.steps.size(), 1u);
+  EXPECT_EQ(result_.steps[0].effect, "fast");
+  EXPECT_FALSE(result_.best.assessment.model.has("cube"));
+  EXPECT_EQ(result_.steps[0].error_after, result_.best.assessment.error);
+}
+
+TEST_F(CubeAndFast, WhatIsDoubtedGoesWhereFunctionsCanDoIt) {
+  result_.steps[1].doubts = {"its range ends"};
+  EXPECT_FALSE(leave_out_doubted(problem_, result_));
+  result_.steps[1].doubts.clear(), result_.steps[0].doubts = {"its range ends"};
+  EXPECT_TRUE(leave_out_doubted(problem_, result_));
+  EXPECT_EQ(result_.mimics, std::vector<std::string>{"cube"});
+  ASSERT_TRUE(result_.unnamed);
+  EXPECT_EQ(result_.unnamed->beside, 1u);
+}
+
 // What a search finds in a set of this kind with an effect that no catalogue has.
 SearchResult found_in(const std::string& kind, const std::string& name, const std::string& effect) {
   const std::filesystem::path protocol = std::filesystem::path(testing::TempDir()) / name,
