@@ -197,6 +197,15 @@ TEST(LookedFor, SaysOfEachWhatCameOfItAndWhyItWasNotTested) {
   EXPECT_NE(looked_for_text(list).find("2 found"), std::string::npos) << looked_for_text(list);
 }
 
+TEST(LookedFor, AKindWithoutCovariatesListsWhatItsOwnTestsFound) {
+  const MadeProblem flats({0, 1}, 0.15, [](const std::vector<double>&, double) { return 0.0; });
+  SearchResult result;
+  result.remaining = {of_u("row"), of_u("row")};
+  result.remaining_traces = {of_u("column*illumination")};
+  const std::string text = looked_for_text(looked_for(flats, result));
+  EXPECT_NE(text.find("1 found: mean and spread of row, 1 trace"), std::string::npos) << text;
+}
+
 TEST(Headline, NamesATraceOnce) {
   const Room room;
   Candidate trace;

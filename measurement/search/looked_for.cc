@@ -58,6 +58,18 @@ LookedFor structure_of(const SearchResult& result, const std::string& what,
                                          : kNothing};
 }
 
+// Kinds with tests of their own have no covariates by row: what these found is listed.
+void add_found(const std::vector<Structure>& structures, const char* outcome,
+               std::vector<LookedFor>& list) {
+  for (const Structure& structure : structures) {
+    const bool listed = std::any_of(list.begin(), list.end(), [&](const LookedFor& entry) {
+      return entry.covariates == std::vector<std::string>{structure.covariate};
+    });
+    if (!listed && structure.covariate != kPixelNeighbour)
+      list.push_back({"mean and spread", {structure.covariate}, outcome});
+  }
+}
+
 void add_structure(const Facts& facts, const SearchResult& result, std::vector<LookedFor>& list) {
   for (const Covariate& covariate : facts.covariates) {
     const bool label = covariate.type == Covariate::Type::category;
@@ -71,6 +83,10 @@ void add_structure(const Facts& facts, const SearchResult& result, std::vector<L
     neighbours.why = "rows of this set do not follow one another";
   }
   list.push_back(std::move(neighbours));
+  if (facts.covariates.empty()) {
+    add_found(result.remaining, kFound, list);
+    add_found(result.remaining_traces, kTrace, list);
+  }
   LookedFor pixels = structure_of(result, "neighbours in the image", kPixelNeighbour);
   if (pixels.outcome == kNothing && !facts.covariates.empty()) return;
   pixels.covariates.clear();

@@ -29,20 +29,39 @@ void clip(std::vector<double>& values) {
   for (double& value : values) value = std::clamp(value, -most, most);
 }
 
+// Rows or columns of each channel, and their means.
+class Lines {
+ public:
+  Lines(const PhotometryData& data, bool of_rows) : data_(data), of_rows_(of_rows) {}
+
+  size_t count() const {
+    return static_cast<size_t>(of_rows_ ? data_.height_px : data_.width_px) * data_.channels;
+  }
+  double length() const { return of_rows_ ? data_.width_px : data_.height_px; }
+  size_t of(size_t sample) const {
+    const size_t channels = data_.channels, pixel = sample / channels;
+    return (of_rows_ ? pixel / data_.width_px : pixel % data_.width_px) * channels +
+           sample % channels;
+  }
+  std::vector<double> means(const std::vector<double>& values) const {
+    std::vector<double> mean(count(), 0);
+    for (size_t i = 0; i < values.size(); ++i) mean[of(i)] += values[i] / length();
+    return mean;
+  }
+
+ private:
+  const PhotometryData& data_;
+  bool of_rows_;
+};
+
 // Takes the means of rows and of columns, which have tests of their own, out of each channel: those
 // that one hot pixel does not move.
 void centre(const PhotometryData& data, std::vector<double>& values) {
   clip(values);
-  const size_t width = data.width_px, channels = data.channels;
   for (const bool of_rows : {true, false}) {
-    std::vector<double> mean((of_rows ? static_cast<size_t>(data.height_px) : width) * channels, 0);
-    const auto line_of = [&](size_t i) {
-      const size_t pixel = i / channels;
-      return (of_rows ? pixel / width : pixel % width) * channels + i % channels;
-    };
-    const double length = of_rows ? data.width_px : data.height_px;
-    for (size_t i = 0; i < values.size(); ++i) mean[line_of(i)] += values[i] / length;
-    for (size_t i = 0; i < values.size(); ++i) values[i] -= mean[line_of(i)];
+    const Lines lines(data, of_rows);
+    const std::vector<double> mean = lines.means(values);
+    for (size_t i = 0; i < values.size(); ++i) values[i] -= mean[lines.of(i)];
   }
 }
 
@@ -87,25 +106,57 @@ StructureTest test_of(const PhotometryData& data, const std::string& covariate, 
   return test;
 }
 
-// What stays over the frames, all levels of light together.
-StructureTest of_means(const PhotometryView& view, const PhotometryPrediction& prediction) {
-  std::vector<double> together(view.data.samples(), 0);
-  double variance = 0, levels = 0;
+// Whether the pixels of a row, or of a column, are alike: means of lines scatter more than pixels
+// that know nothing of each other let them. `together`: levels in units of their scatter, summed;
+// `own2` is the variance of a line's sum that the model has.
+StructureTest of_lines(const Lines& lines, const std::string& covariate,
+                       const std::vector<double>& together, double variance, double own2,
+                       double unit) {
+  std::vector<double> mean = lines.means(together);
+  double middle = 0;
+  for (const double m : mean) middle += m / static_cast<double>(mean.size());
+  const double expected = variance / lines.length() + own2;
+  StructureTest test{.freedom = static_cast<int>(mean.size()) - 1};
+  if (!(expected > 0) || test.freedom < 1) return {};
+  for (const double m : mean) test.chi2 += (m - middle) * (m - middle) / expected;
+  test.structure = {
+      .residual = "dn",
+      .moment = "mean",
+      .covariate = covariate,
+      .strength = unit * std::sqrt(std::max(0.0, test.chi2 / test.freedom - 1) * expected)};
+  return test;
+}
+
+// What stays over the frames, all levels of light together: neighbours, rows and columns.
+std::vector<StructureTest> of_means(const PhotometryView& view,
+                                    const PhotometryPrediction& prediction) {
+  std::vector<double> together(view.data.samples(), 0), raw = together;
+  double variance = 0, levels = 0, column = 0, row2 = 0;
   for (size_t l = 0; l < view.sums.levels.size(); ++l) {
     if (view.sums.levels[l].frames.empty()) continue;
     std::vector<double> left(together.size());
     for (size_t i = 0; i < left.size(); ++i)
       left[i] = view.sums.levels[l].mean[i] - prediction.levels[l].mean[i];
+    clip(left);
+    const std::vector<double> clipped = left;
     centre(view.data, left);
     const double size = robust_sigma(left);
     if (!(size > 0)) continue;
-    for (size_t i = 0; i < left.size(); ++i) together[i] += left[i] / size;
+    for (size_t i = 0; i < left.size(); ++i)
+      together[i] += left[i] / size, raw[i] += clipped[i] / size;
     variance += size * size, ++levels;
+    column += prediction.chain.column_sigma_dn / size;
+    row2 += std::pow(prediction.chain.row_sigma_dn / size, 2) /
+            static_cast<double>(view.sums.levels[l].frames.size());
   }
   if (levels == 0) return {};
   Pairs pairs;
   add_pairs(view.data, together, pairs);
-  return test_of(view.data, kPixelNeighbour, pairs, variance / levels, 1);
+  const double scatter2 = pairs.squares / pairs.samples,
+               unit = std::sqrt(variance / levels) / levels;
+  return {test_of(view.data, kPixelNeighbour, pairs, variance / levels, 1),
+          of_lines({view.data, true}, "row", raw, scatter2, row2, unit),
+          of_lines({view.data, false}, "column", raw, scatter2, column * column, unit)};
 }
 
 // What changes from frame to frame.
@@ -138,7 +189,9 @@ StructureTest of_frames(const PhotometryView& view) {
 
 std::vector<StructureTest> neighbour_tests(const PhotometryView& view,
                                            const PhotometryPrediction& prediction) {
-  return {of_means(view, prediction), of_frames(view)};
+  std::vector<StructureTest> tests = of_means(view, prediction);
+  tests.push_back(of_frames(view));
+  return tests;
 }
 
 }  // namespace seam::measurement

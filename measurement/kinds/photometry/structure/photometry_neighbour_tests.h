@@ -1,6 +1,7 @@
-// Whether neighbouring pixels are alike in what a model leaves, as it should be of none: in the
-// means over the frames (dust, what leaks from pixel to pixel), or in the noise of single frames (a
-// filter in the camera, colours from a mosaic).
+// Whether pixels are alike in what a model leaves, as it should be of none: neighbours, or those of
+// one row or column, in the means over the frames (dust, what leaks from pixel to pixel, rows that
+// are read by two circuits), and neighbours in the noise of single frames (a filter in the camera,
+// colours from a mosaic).
 #pragma once
 
 #include <vector>

@@ -29,7 +29,7 @@ Field filtered(const Field& field) {
   return out;
 }
 
-std::vector<StructureTest> tests_of(uint64_t seed, bool filter, double dust) {
+std::vector<StructureTest> tests_of(uint64_t seed, bool filter, double dust, double odd_rows = 0) {
   const RandomStream random{seed, 4};
   PhotometryData data{.width_px = kWidth, .height_px = kHeight};
   data.levels.resize(2);
@@ -44,7 +44,8 @@ std::vector<StructureTest> tests_of(uint64_t seed, bool filter, double dust) {
     for (int i = 0; i < kWidth * kHeight; ++i) {
       const bool dusty = std::abs(std::hypot(i % kWidth - 30, i / kWidth - 25) - 12) < 2;
       const double value = 100 + 50 * level + pattern[static_cast<size_t>(i)] +
-                           noise[static_cast<size_t>(i)] - (dusty ? dust : 0);
+                           noise[static_cast<size_t>(i)] - (dusty ? dust : 0) +
+                           (i / kWidth % 2 == 1 ? odd_rows : 0);
       image.push_back(static_cast<uint16_t>(std::lround(value)));
     }
   }
@@ -59,25 +60,37 @@ std::vector<StructureTest> tests_of(uint64_t seed, bool filter, double dust) {
 
 TEST(NeighbourTests, OfIndependentSamplesTheyAreChiSquares) {
   constexpr int kSets = 60;
-  double chi2[2] = {0, 0};
+  constexpr int kFreedom[4] = {2, kHeight - 1, kWidth - 1, 2};
+  double chi2[4] = {0, 0, 0, 0};
   for (uint64_t seed = 1; seed <= kSets; ++seed) {
     const auto tests = tests_of(seed, false, 0);
-    ASSERT_EQ(tests.size(), 2u);
-    for (size_t k = 0; k < 2; ++k) {
-      EXPECT_EQ(tests[k].freedom, 2);
+    ASSERT_EQ(tests.size(), 4u);
+    for (size_t k = 0; k < 4; ++k) {
+      EXPECT_EQ(tests[k].freedom, kFreedom[k]);
       chi2[k] += tests[k].chi2 / kSets;
     }
   }
-  // The mean of 60 chi-squares of two degrees of freedom scatters by 0.26.
-  for (const double mean : chi2) EXPECT_NEAR(mean, 2, 0.8);
+  // The mean of 60 chi-squares of n degrees of freedom scatters by the root of n / 30.
+  for (size_t k = 0; k < 4; ++k)
+    EXPECT_NEAR(chi2[k], kFreedom[k], 3.1 * std::sqrt(kFreedom[k] / 30.0)) << k;
+}
+
+// Rows that alternate by 1.5 DN, as two circuits read them: half of that is their scatter.
+TEST(NeighbourTests, RowsThatAlternateAreAlikeWithinThemselves) {
+  const auto tests = tests_of(1, false, 0, 1.5);
+  EXPECT_EQ(tests[1].structure.covariate, "row");
+  EXPECT_NEAR(tests[1].structure.strength, 0.75, 0.08);
+  // Pixels of 2.8 DN in means of 60.
+  EXPECT_NEAR(tests[1].chi2, (kHeight - 1) * (1 + 60 * 0.75 * 0.75 / (2.8 * 2.8)), 60);
+  EXPECT_LT(tests[2].chi2, 100);
 }
 
 TEST(NeighbourTests, AFilterInTheCameraIsInTheNoiseAlone) {
   const auto tests = tests_of(1, true, 0);
-  EXPECT_GT(tests[1].chi2, 1000);
+  EXPECT_GT(tests[3].chi2, 1000);
   // Of the filter's variance, 6 / 16 of the noise's, half of 4 / 6 is alike in a neighbour.
-  EXPECT_NEAR(tests[1].structure.strength, kNoise * std::sqrt(6.0 / 16 * 4 / 6 / 2), 0.1);
-  EXPECT_EQ(tests[1].structure.covariate, "neighbouring_pixel*time");
+  EXPECT_NEAR(tests[3].structure.strength, kNoise * std::sqrt(6.0 / 16 * 4 / 6 / 2), 0.1);
+  EXPECT_EQ(tests[3].structure.covariate, "neighbouring_pixel*time");
 }
 
 TEST(NeighbourTests, DustIsInTheMeansAlone) {
@@ -85,7 +98,7 @@ TEST(NeighbourTests, DustIsInTheMeansAlone) {
   // A tenth of the pixels, 4 DN darker beside 2.5 DN of pattern and noise: of the 3,000 pairs each
   // way an eighth of the variance is alike.
   EXPECT_NEAR(tests[0].chi2, 80, 30);
-  EXPECT_LT(tests[1].chi2, 14);
+  EXPECT_LT(tests[3].chi2, 14);
   EXPECT_EQ(tests[0].structure.covariate, "neighbouring_pixel");
 }
 
