@@ -11,7 +11,7 @@ IMAGE = ("column", "row", "radius", "view")
 BOARD = ("target x", "target y", "target z")
 ANGLE = ("joint", "command_rad")
 MOTION = (*ANGLE, "command_rate", "joint_rate", "joint_acceleration", "sign(joint_rate)")
-PIXELS = ("row", "column", "radius", "neighbour", "pixel")
+PIXELS = ("row", "column", "radius", "neighbouring_pixel", "pixel")
 
 # Of each sort its causes, and on what residuals depend: any of these names is right.
 DEPENDS_ON = {
