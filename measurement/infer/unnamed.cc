@@ -219,8 +219,8 @@ std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
   return best;
 }
 
-double own_share(const Problem& problem, const Assessment& explanation,
-                 const std::vector<std::string>& effects) {
+std::vector<double> own_shares(const Problem& problem, const Assessment& explanation,
+                               const std::vector<std::vector<std::string>>& sets) {
   // Residuals, and what smooth functions gain of them.
   struct Left {
     double squares = 0, gain = 0;
@@ -233,17 +233,23 @@ double own_share(const Problem& problem, const Assessment& explanation,
     if (const auto cause = residuals.best_cause(nullptr)) left.gain = cause->lead;
     return left;
   };
-  Model model = explanation.model;
-  std::vector<Unknown> unknowns = explanation.unknowns;
-  for (const std::string& effect : effects) {
-    model.remove(effect);
-    std::erase_if(unknowns, [&](const Unknown& unknown) { return unknown.effect == effect; });
+  std::vector<double> shares(sets.size(), 1);
+  if (sets.empty()) return shares;
+  const auto with = left_by(explanation.model, explanation.unknowns);
+  if (!with) return shares;
+  for (size_t i = 0; i < sets.size(); ++i) {
+    Model model = explanation.model;
+    std::vector<Unknown> unknowns = explanation.unknowns;
+    for (const std::string& effect : sets[i]) {
+      model.remove(effect);
+      std::erase_if(unknowns, [&](const Unknown& unknown) { return unknown.effect == effect; });
+    }
+    const auto without = left_by(model, unknowns);
+    if (!without) continue;
+    const double taken = 0.5 * (without->squares - with->squares);
+    if (taken > 0) shares[i] = 1 - (without->gain - with->gain) / taken;
   }
-  const auto with = left_by(explanation.model, explanation.unknowns),
-             without = left_by(model, unknowns);
-  if (!with || !without) return 1;
-  const double taken = 0.5 * (without->squares - with->squares);
-  return taken > 0 ? 1 - (without->gain - with->gain) / taken : 1;
+  return shares;
 }
 
 }  // namespace seam::measurement

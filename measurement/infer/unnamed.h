@@ -46,10 +46,10 @@ std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
                                           double material,
                                           std::vector<TriedFunction>* tried = nullptr);
 
-// Of what these effects of an explanation take of the residuals together, in log-likelihood, the
-// share that smooth functions cannot take in their place; 1 where that cannot be said. By one
-// linear step of the effects that stay.
-double own_share(const Problem& problem, const Assessment& explanation,
-                 const std::vector<std::string>& effects);
+// For each set of effects of an explanation: of what they take of the residuals together, in
+// log-likelihood, the share that smooth functions cannot take in their place; 1 where that cannot
+// be said. By one linear step of the effects that stay.
+std::vector<double> own_shares(const Problem& problem, const Assessment& explanation,
+                               const std::vector<std::vector<std::string>>& sets);
 
 }  // namespace seam::measurement

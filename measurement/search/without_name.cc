@@ -55,14 +55,14 @@ void fit_steps_again(const Problem& problem, SearchResult& result) {
   }
 }
 
-// Steps of the mean without which the model can be.
-std::vector<std::string> steps_in_question(const SearchResult& result) {
+// Steps of the mean without which the model can be, of those that `asks` for.
+std::vector<std::string> steps_in_question(const SearchResult& result, const auto& asks) {
   const Model& model = result.best.assessment.model;
   std::vector<std::string> names;
   for (const Step& step : result.steps) {
     const effects::ModelEffect* effect = model.find(step.effect);
     if (effect != nullptr && !effect->definition->unknown_cause &&
-        !effect->definition->spread_only && can_be_missed(model, step.effect))
+        !effect->definition->spread_only && can_be_missed(model, step.effect) && asks(step))
       names.push_back(step.effect);
   }
   return names;
@@ -95,21 +95,18 @@ bool leave_out(const Problem& problem, const std::vector<std::string>& names, do
 // after another those go of which the least is their own. What moves far more than the cause does
 // is no part of it.
 void leave_out_mimics(const Problem& problem, SearchResult& result) {
-  std::vector<std::string> names = steps_in_question(result);
   const double far = kFarAboveUnnamed * result.unnamed->noise_units;
-  for (const Step& step : result.steps) {
-    if (step.moved >= far) std::erase(names, step.effect);
-  }
+  std::vector<std::string> names =
+      steps_in_question(result, [&](const Step& step) { return !(step.moved >= far); });
   while (!names.empty()) {
-    double least = kOwnBesideUnnamed;
-    std::string mimic;
-    for (const std::string& name : names) {
-      const double own = own_share(problem, result.best.assessment, {name});
-      if (own < least) least = own, mimic = name;
-    }
-    if (mimic.empty()) return;
-    std::erase(names, mimic);
-    leave_out(problem, {mimic}, std::numeric_limits<double>::infinity(), result);
+    std::vector<std::vector<std::string>> each;
+    for (const std::string& name : names) each.push_back({name});
+    const std::vector<double> own = own_shares(problem, result.best.assessment, each);
+    const auto least = std::min_element(own.begin(), own.end());
+    if (!(*least < kOwnBesideUnnamed)) return;
+    const auto mimic = names.begin() + (least - own.begin());
+    leave_out(problem, {*mimic}, std::numeric_limits<double>::infinity(), result);
+    names.erase(mimic);
   }
 }
 
@@ -155,13 +152,10 @@ void look_for_unnamed(const Problem& problem, SearchResult& result) {
 }
 
 bool leave_out_doubted(const Problem& problem, SearchResult& result) {
-  std::vector<std::string> doubted = steps_in_question(result);
-  std::erase_if(doubted, [&](const std::string& name) {
-    return std::any_of(result.steps.begin(), result.steps.end(), [&](const Step& step) {
-      return step.effect == name && step.doubts.empty();
-    });
-  });
-  if (doubted.empty() || own_share(problem, result.best.assessment, doubted) >= kOwnBesideUnnamed ||
+  const std::vector<std::string> doubted =
+      steps_in_question(result, [](const Step& step) { return !step.doubts.empty(); });
+  if (doubted.empty() ||
+      own_shares(problem, result.best.assessment, {doubted})[0] >= kOwnBesideUnnamed ||
       !leave_out(problem, doubted, kMisfit, result))
     return false;
   leave_out_mimics(problem, result);

@@ -107,8 +107,8 @@ class CubeAndFast : public testing::Test {
 
 TEST_F(CubeAndFast, AStepGoesThatFunctionsCanDoAndOneStaysThatTheyCannot) {
   const Assessment best = result_.best.assessment;
-  EXPECT_LT(own_share(problem_, best, {"cube"}), 0.1);
-  EXPECT_GT(own_share(problem_, best, {"fast"}), 0.9);
+  EXPECT_LT(own_shares(problem_, best, {{"cube"}})[0], 0.1);
+  EXPECT_GT(own_shares(problem_, best, {{"fast"}})[0], 0.9);
   look_for_unnamed(problem_, result_);
   ASSERT_TRUE(result_.unnamed);
   EXPECT_EQ(result_.mimics, std::vector<std::string>{"cube"});

@@ -18,6 +18,7 @@
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
+
 Around parabola_around(const std::vector<double>& t, const std::vector<double>& x, size_t k) {
   constexpr size_t kReach = 4;
   const size_t from = k >= kReach ? k - kReach : 0, to = std::min(t.size(), k + kReach + 1);

@@ -54,10 +54,8 @@ class Lines {
   bool of_rows_;
 };
 
-// Takes the means of rows and of columns, which have tests of their own, out of each channel: those
-// that one hot pixel does not move.
+// Takes the means of rows and of columns, which have tests of their own, out of each channel.
 void centre(const PhotometryData& data, std::vector<double>& values) {
-  clip(values);
   for (const bool of_rows : {true, false}) {
     const Lines lines(data, of_rows);
     const std::vector<double> mean = lines.means(values);
@@ -172,6 +170,7 @@ StructureTest of_frames(const PhotometryView& view) {
       const auto& image = view.data.images[static_cast<size_t>(level.frames[f])];
       std::vector<double> left(image.size());
       for (size_t i = 0; i < left.size(); ++i) left[i] = image[i] - level.mean[i];
+      clip(left);
       centre(view.data, left);
       const double size = robust_sigma(left);
       if (!(size > 0)) continue;
