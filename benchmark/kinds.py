@@ -1,4 +1,5 @@
 """All sorts of sets, each with the function that makes one."""
+import imu
 import outside
 from boards import boards, videos
 from flats import flats
@@ -10,18 +11,20 @@ from walks import walks
 
 SORTS = {"boards": boards, "videos": videos, "servos": servos, "motors": motors, "landmarks": landmarks, "walks": walks,
          "wheels": walks, "flats": flats}
+# A sort that is made with an effect alone.
+ALONE = {"imus": imu.imus}
 # Causes that people have, each alone in the sets of a sort.
 CAUSES = [f"{sort}+{cause}" for sort, causes in {
     "boards": ("focal_drift", "flat_port"), "videos": ("focal_drift",), "landmarks": ("mount_offset",),
     "motors": ("friction_asymmetry", "motor_heating", "elastic_joint"), "servos": ("gear_ripple", "elastic_joint"),
-    "walks": ("tracker_offset", "turn_asymmetry")}.items() for cause in causes]
+    "walks": ("tracker_offset", "turn_asymmetry"), "imus": imu.EFFECTS}.items() for cause in causes]
 # Causes outside the catalogue, each alone in the sets of a sort.
 OUTSIDE = outside.sorts()
 
 
 def make(sort, number):
     plan = Plan(sort, number)
-    return plan, SORTS[plan.base](plan)
+    return plan, (SORTS | ALONE)[plan.base](plan)
 
 
 def make_into(out, sort, number):

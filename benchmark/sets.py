@@ -156,7 +156,7 @@ def write(made, plan, out):
         "course": "one" if plan.course == "outside" and not made.outside else plan.course,
         "hidden": made.hidden, "ties": made.ties, "traces": made.traces, "allowed": made.allowed,
         "outside": made.outside or None,
-        "depends_on": outside.DEPENDS_ON[plan.base].get(made.outside, ()), "unscored": made.unscored, "noise_stated": made.noise_stated,
+        "depends_on": outside.DEPENDS_ON.get(plan.base, {}).get(made.outside, ()), "unscored": made.unscored, "noise_stated": made.noise_stated,
         "gross_share": plan.gross}, indent=1) + "\n")
     return folder
 

@@ -130,6 +130,7 @@
   X(gyro_temperature)         \
   X(gyro_bias)                \
   X(gyro_saturation)          \
+  X(gyro_vibration)           \
   X(accel_white_noise)        \
   X(accel_bias_instability)   \
   X(accel_random_walk)        \
@@ -138,7 +139,8 @@
   X(accel_misalignment)       \
   X(accel_temperature)        \
   X(accel_bias)               \
-  X(accel_saturation)
+  X(accel_saturation)         \
+  X(accel_vibration)
 
 namespace seam::effects {
 

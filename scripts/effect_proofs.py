@@ -46,6 +46,18 @@ def turned(roll, pitch, yaw, x, y, z):
     return x, y, z
 
 
+def vibrating(line_hz, width_hz, skew, at_hz, rate_hz, folds=3000):
+    """Power of samples of an oscillator that white noise drives, of its deflection and its rate by `skew`, folded at the rate
+    again and again, and what is left of it beyond."""
+    own_2 = line_hz ** 2 + width_hz ** 2 / 4  # Damped it swings at line_hz.
+
+    def density(f):
+        swung = ((1 + skew) / 2 * own_2 + (1 - skew) / 2 * f * f) * width_hz / math.pi
+        return swung / ((own_2 - f * f) ** 2 + (f * width_hz) ** 2)
+    near = sum(density(at_hz + k * rate_hz) for k in range(-folds, folds + 1))
+    return rate_hz * near + (1 - skew) * width_hz / math.pi / rate_hz / (folds + 0.5)
+
+
 def walked(p, legs, scale=lambda p, v: v, steps=400000):
     """Small steps of a walk: legs of ((vx, vy, omega), seconds), without lag."""
     x = y = theta = 0.0
@@ -510,6 +522,14 @@ PROOFS = [
      {"wx_power": "(p[0] * rate_hz * 2 * math.sin(math.pi * frequency_hz / rate_hz))**2", "wy_power": "(p[1] * rate_hz * 2 * math.sin(math.pi * frequency_hz / rate_hz))**2", "wz_power": "(p[2] * rate_hz * 2 * math.sin(math.pi * frequency_hz / rate_hz))**2"}),
     ("gyro_quantisation", [0.3, 0.1, 0.2], [("frequency_hz", 40), ("rate_hz", 200)],
      {"wx_power": "(p[0] * rate_hz * 2 * math.sin(math.pi * frequency_hz / rate_hz))**2", "wy_power": "(p[1] * rate_hz * 2 * math.sin(math.pi * frequency_hz / rate_hz))**2", "wz_power": "(p[2] * rate_hz * 2 * math.sin(math.pi * frequency_hz / rate_hz))**2"}),
+    ("gyro_vibration", [0.01, 0.02, 0.03, 20, 40, 0], [("frequency_hz", 20.5), ("rate_hz", 100)],
+     {"wx_power": "p[0]**2 * vibrating(p[3], p[3] / p[4], p[5], frequency_hz, rate_hz)", "wy_power": "p[1]**2 * vibrating(p[3], p[3] / p[4], p[5], frequency_hz, rate_hz)", "wz_power": "p[2]**2 * vibrating(p[3], p[3] / p[4], p[5], frequency_hz, rate_hz)"}),
+    ("gyro_vibration", [0.3, 0.1, 0.2, 90, 30, 0.8], [("frequency_hz", 30), ("rate_hz", 200)],
+     {"wx_power": "p[0]**2 * vibrating(p[3], p[3] / p[4], p[5], frequency_hz, rate_hz)", "wy_power": "p[1]**2 * vibrating(p[3], p[3] / p[4], p[5], frequency_hz, rate_hz)", "wz_power": "p[2]**2 * vibrating(p[3], p[3] / p[4], p[5], frequency_hz, rate_hz)"}),
+    ("accel_vibration", [0.01, 0.02, 0.03, 20, 40, 0], [("frequency_hz", 20.5), ("rate_hz", 100)],
+     {"ax_power": "p[0]**2 * vibrating(p[3], p[3] / p[4], p[5], frequency_hz, rate_hz)", "ay_power": "p[1]**2 * vibrating(p[3], p[3] / p[4], p[5], frequency_hz, rate_hz)", "az_power": "p[2]**2 * vibrating(p[3], p[3] / p[4], p[5], frequency_hz, rate_hz)"}),
+    ("accel_vibration", [0.3, 0.1, 0.2, 90, 30, 0.8], [("frequency_hz", 30), ("rate_hz", 200)],
+     {"ax_power": "p[0]**2 * vibrating(p[3], p[3] / p[4], p[5], frequency_hz, rate_hz)", "ay_power": "p[1]**2 * vibrating(p[3], p[3] / p[4], p[5], frequency_hz, rate_hz)", "az_power": "p[2]**2 * vibrating(p[3], p[3] / p[4], p[5], frequency_hz, rate_hz)"}),
     ("gyro_bias", [0.01, -0.02, 0.03], [], {"wx_radps": "p[0]", "wy_radps": "p[1]", "wz_radps": "p[2]"}),
     ("gyro_bias", [-0.5, 0.25, 0.125], [("wx_radps", 1), ("wy_radps", 2), ("wz_radps", 3)], {"wx_radps": "1 + p[0]", "wy_radps": "2 + p[1]", "wz_radps": "3 + p[2]"}),
     ("gyro_scale", [0.01, -0.02, 0.03], [("wx_radps", 1), ("wy_radps", 2), ("wz_radps", -3)], {"wx_radps": "1 + p[0]", "wy_radps": "2 * (1 + p[1])", "wz_radps": "-3 * (1 + p[2])"}),
@@ -565,7 +585,7 @@ def proof_of(effect, values, given, expected, tolerance=None):
     names = {name: value for name, value in given}
     names.update(p=values, math=math, root=root, play=play, turned=turned, walked=walked, fisheye=fisheye, slid=slid,
                  tangential=tangential, rational=rational, swung=swung, sprung=sprung, beside=beside,
-                 rolled=rolled, elastic=elastic, through_port=through_port)
+                 rolled=rolled, elastic=elastic, through_port=through_port, vibrating=vibrating)
     found = {name: eval(text, dict(names)) for name, text in expected.items()}
     pairs = lambda items: "{" + ", ".join(f'{{"{name}", {number(value)}}}' for name, value in items) + "}"
     text = f"{{.values = {{{', '.join(number(v) for v in values)}}}"

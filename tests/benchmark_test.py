@@ -63,7 +63,7 @@ class Generators(unittest.TestCase):
             self.assertAlmostEqual(some.var() / mean, 1, delta=0.04)
 
     def test_each_sort_is_repeated_checked_and_at_its_noise(self):
-        for sort in kinds.SORTS:
+        for sort in (*kinds.SORTS, "imus+accel_vibration"):
             with self.subTest(sort), tempfile.TemporaryDirectory() as scratch:
                 number = 1
                 first, again = (kinds.make_into(pathlib.Path(scratch) / part, sort, number) for part in ("a", "b"))

@@ -7,6 +7,7 @@
 
 #include "app/exchange/servo_files.h"
 #include "effects/stages/inertial/inertial.h"
+#include "effects/stages/inertial/vibration.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
 
@@ -23,7 +24,7 @@ double most(const effects::Triad& values) {
 
 // Whether the file loses noise of it.
 bool has_other_noise(const InertialSensor& sensor) {
-  return most(sensor.flicker) > 0 || most(sensor.rounding) > 0;
+  return most(sensor.flicker) > 0 || most(sensor.rounding) > 0 || !sensor.vibrations.empty();
 }
 bool has_noise(const InertialSensor& sensor) {
   return has_other_noise(sensor) || most(sensor.white) > 0 || most(sensor.walk) > 0;
@@ -35,21 +36,25 @@ Model alone(const ModelEffect& effect) {
   return one;
 }
 
-// Allan variance of an axis, as IEEE Std 952 has it.
-double allan_variance(const InertialSensor& sensor, size_t axis, double tau_s) {
+// Allan variance of an axis, as IEEE Std 952 has it, and of vibrations in samples of this rate.
+double allan_variance(const InertialSensor& sensor, size_t axis, double tau_s, double rate_hz) {
   const auto square = [](double x) { return x * x; };
-  return square(sensor.white[axis]) / tau_s +
+  double of_lines = 0;
+  for (const effects::Vibration& line : sensor.vibrations)
+    of_lines += effects::vibration_allan_variance(
+        line, axis, std::max(1.0, std::round(tau_s * rate_hz)), 1 / rate_hz);
+  return of_lines + square(sensor.white[axis]) / tau_s +
          2 * std::log(2) / maths::kPi * square(sensor.flicker[axis]) +
          square(sensor.walk[axis]) * tau_s / 3 + 3 * square(sensor.rounding[axis] / tau_s);
 }
 
 // By how much the noise of a sensor comes out too small without what was dropped, and where most.
-std::string cost_of(const InertialSensor& with, const InertialSensor& without) {
+std::string cost_of(const InertialSensor& with, const InertialSensor& without, double rate_hz) {
   double worst = 1, at_s = 0;
   for (const double tau_s : {0.01, 0.1, 1.0, 10.0, 100.0, 1000.0}) {
     for (size_t axis = 0; axis < 3; ++axis) {
-      const double all = allan_variance(with, axis, tau_s),
-                   left = allan_variance(without, axis, tau_s);
+      const double all = allan_variance(with, axis, tau_s, rate_hz),
+                   left = allan_variance(without, axis, tau_s, rate_hz);
       const double ratio = left > 0 ? std::sqrt(all / left) : all > 0 ? HUGE_VAL : 1;
       if (ratio > worst) worst = ratio, at_s = tau_s;
     }
@@ -107,11 +112,8 @@ Exported export_imu(const Model& model, const ExchangeFormat& format,
     if (!lost && !asked(name)) continue;
     kept.remove(name);
     const effects::Inertial rest = effects::inertial_of(kept);
-    const std::string cost = own.gyro.flicker != effects::Triad{} ||
-                                     own.gyro.rounding != effects::Triad{} ||
-                                     most(own.gyro.walk) > 0
-                                 ? cost_of(all.gyro, rest.gyro)
-                                 : cost_of(all.accel, rest.accel);
+    const std::string cost = has_noise(own.gyro) ? cost_of(all.gyro, rest.gyro, options.rate_hz)
+                                                 : cost_of(all.accel, rest.accel, options.rate_hz);
     if (!asked(name) && !asked("all"))
       throw InputError(
           fmt::format("{} cannot hold effect '{}' ({}): export with --drop {} to leave it out, or "

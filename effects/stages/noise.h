@@ -46,6 +46,14 @@ struct MovingNoise {
 inline constexpr double kNever = std::numeric_limits<double>::infinity();
 using Triad = std::array<double, 3>;  // By axis.
 
+// A line in the readings: a sine whose amplitude and phase wander (stages/inertial/vibration.h).
+struct Vibration {
+  Triad rms{};
+  double frequency_hz = 0;
+  double width_hz = 0;  // Of its power, at half of the height.
+  double skew = 0;
+};
+
 struct InertialSensor {
   Triad bias{};                  // At kBiasAt_c.
   Triad per_k{};                 // Change of the bias a kelvin.
@@ -56,6 +64,7 @@ struct InertialSensor {
   Triad flicker{};   // Bias instability, unit: B; the flat of the Allan deviation is 0.664 of it.
   Triad walk{};      // Density of a random walk of the bias, unit / s / sqrt(Hz): K.
   Triad rounding{};  // Rounding of what the sensor adds up before it reports it, unit * s: Q.
+  std::vector<Vibration> vibrations;
 };
 
 // Biases are those at this temperature.
@@ -63,7 +72,9 @@ inline constexpr double kBiasAt_c = 25;
 
 struct Inertial {
   InertialSensor gyro, accel;
-  Triad gyro_per_force{};  // Of a gyroscope's axis by the force along it, (rad/s) / (m/s^2).
+  Triad gyro_per_force{};     // Of a gyroscope's axis by the force along it, (rad/s) / (m/s^2).
+  double clock_rate = 0;      // Relative: how much faster than true time its clock runs.
+  double stamp_jitter_s = 0;  // Standard deviation of a sample's time stamp.
 };
 
 struct Noise {

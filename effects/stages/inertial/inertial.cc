@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "effects/stages/inertial/vibration.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::effects {
@@ -38,12 +39,18 @@ InertialSample measured_by(const Inertial& inertial, const InertialSample& truth
           reported(inertial.accel, truth.force_mps2, Vec3(0.0), temperature_c)};
 }
 
-double noise_power(const InertialSensor& sensor, size_t axis, double omega, double dt_s) {
+double smooth_noise_power(const InertialSensor& sensor, size_t axis, double omega, double dt_s) {
   const double difference = 2 * maths::sin(omega / 2);
   const auto square = [](double x) { return x * x; };
   return square(sensor.white[axis]) / dt_s + square(sensor.flicker[axis]) / difference +
          square(sensor.walk[axis] / difference) * dt_s +
          square(sensor.rounding[axis] * difference / dt_s);
+}
+
+double noise_power(const InertialSensor& sensor, size_t axis, double omega, double dt_s) {
+  double power = smooth_noise_power(sensor, axis, omega, dt_s);
+  for (const Vibration& one : sensor.vibrations) power += vibration_power(one, axis, omega, dt_s);
+  return power;
 }
 
 std::vector<Parameter> axis_parameters(const std::string& unit_name, double least, double most,
@@ -79,6 +86,43 @@ std::vector<StartRule> noise_starts(double from, double to) {
   for (double size = from; size <= to; size *= std::sqrt(10.0))
     places.push_back({size, size, size});
   return {{kImu, StartSearch::best_listed, std::move(places)}};
+}
+
+std::vector<Parameter> vibration_parameters(const std::string& unit_name, double most, double usual,
+                                            const std::string& help, const Plausible& plausible) {
+  std::vector<Parameter> parameters = axis_parameters(unit_name, 0, most, usual, help, plausible);
+  parameters.push_back({.name = "frequency_hz",
+                        .neutral = 50,
+                        .min = 1e-3,
+                        .max = 1e5,
+                        .scale = 1,
+                        .help = "Frequency of the line, Hz. A line above half of the rate of the "
+                                "samples is seen mirrored below it.",
+                        .plausible = {0.5, 5000,
+                                      "motors turn 10 to 500 times a second, and blades "
+                                      "and gears repeat that some ten times"}});
+  parameters.push_back({.name = "quality",
+                        .neutral = kNever,
+                        .min = 1,
+                        .max = kNever,
+                        .scale = 50,
+                        .help = "Frequency over width, where the width is that of the line's power "
+                                "at half of its height; without end: a sine.",
+                        .fit_reciprocal = true,
+                        .plausible = {3, kNever,
+                                      "rubber and plastic damp to 5 to 20, metal to "
+                                      "100 and more"}});
+  parameters.push_back({.name = "skew",
+                        .min = -4,
+                        .max = 2,
+                        .scale = 0.3,
+                        .help =
+                            "0: a sine whose phase wanders, as a motor's. Of an oscillator that "
+                            "noise drives: 1 its deflection, with more power below the line, "
+                            "-1 its rate, -3 its acceleration, with more above.",
+                        .on_demand = true,
+                        .plausible = {-3.5, 1.5, "an oscillator has -3 to 1"}});
+  return parameters;
 }
 
 void add_noise(Triad& sum, Values p) {

@@ -7,7 +7,7 @@
 // is the power of a coefficient of the orthonormal cosine transform (DCT-II) of samples dt
 // apart, at omega = 2 pi f dt:
 //   white^2 / dt + flicker^2 / (2 sin(omega / 2)) + walk^2 dt / (2 sin(omega / 2))^2
-//   + rounding^2 (2 sin(omega / 2))^2 / dt^2
+//   + rounding^2 (2 sin(omega / 2))^2 / dt^2 + lines of vibrations (vibration.h)
 // In this transform white noise and a random walk are independent exactly, coefficient by
 // coefficient: its base are the eigenvectors of a walk's precision (docs/reference/imu.md). Letters
 // and sizes are those of IEEE Std 952: N, B, K, Q.
@@ -35,7 +35,8 @@ struct InertialSample {
 InertialSample measured_by(const Inertial& inertial, const InertialSample& truth,
                            double temperature_c);
 
-// See above; omega above 0 and up to pi.
+// See above; omega above 0 and up to pi. The first without vibrations, whose lines are narrow.
+double smooth_noise_power(const InertialSensor& sensor, size_t axis, double omega, double dt_s);
 double noise_power(const InertialSensor& sensor, size_t axis, double omega, double dt_s);
 
 // Three parameters, one an axis: x_NAME, y_NAME, z_NAME.
@@ -46,6 +47,13 @@ std::vector<Parameter> axis_parameters(const std::string& unit_name, double leas
 std::vector<Parameter> cross_parameters(const std::vector<std::string>& pairs);
 // Starts of a fit: the same size on all axes, in steps of half a decade.
 std::vector<StartRule> noise_starts(double from, double to);
+// Of a vibration: its sizes by axis, its frequency, its quality, its skew; in this order wherever
+// fits start with StartSearch::frequency.
+std::vector<Parameter> vibration_parameters(const std::string& unit_name, double most, double usual,
+                                            const std::string& help, const Plausible& plausible);
+inline Vibration vibration(Values p) {
+  return {.rms = {p[0], p[1], p[2]}, .frequency_hz = p[3], .width_hz = p[3] / p[4], .skew = p[5]};
+}
 
 inline Triad triad(Values p) {
   return {p[0], p[1], p[2]};

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "effects/stages/inertial/vibration.h"
 #include "measurement/kinds/imu/allan.h"
 #include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
@@ -28,14 +29,6 @@ std::vector<std::string> groups_of(const ImuData& data) {
   return names;
 }
 
-Vec3 force_read(const ImuStretch& stretch) {
-  return {stretch.mean[3], stretch.mean[4], stretch.mean[5]};
-}
-
-double size_of(const Vec3& v) {
-  return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
 }  // namespace
 
 ImuProblem::ImuProblem(const MeasurementSet& set) : data_(read_imu(set, true)) {
@@ -52,88 +45,6 @@ ImuProblem::ImuProblem(const MeasurementSet& set) : data_(read_imu(set, true)) {
         "{} samples take no part: they lie in no stretch of {} samples or more with even times and "
         "one reference, are blank, or stand behind a length whose spectrum is quick to find",
         data_.left, kLeastSamples));
-}
-
-// Whether gravity is seen along directions that differ by far more than a tilt.
-bool ImuProblem::sees_attitudes() const {
-  constexpr double kApart = 0.9;  // Cosine: 26 degrees.
-  if (!data_.has[3]) return false;
-  const Vec3 first = force_read(data_.stretches.front());
-  return std::any_of(data_.stretches.begin(), data_.stretches.end(), [&](const ImuStretch& other) {
-    const Vec3 there = force_read(other);
-    const double along = first[0] * there[0] + first[1] * there[1] + first[2] * there[2];
-    return along < kApart * size_of(first) * size_of(there);
-  });
-}
-
-bool ImuProblem::turns() const {
-  return std::any_of(data_.stretches.begin(), data_.stretches.end(), [](const ImuStretch& stretch) {
-    return stretch.truth[0] != 0 || stretch.truth[1] != 0 || stretch.truth[2] != 0;
-  });
-}
-
-bool ImuProblem::warmth_changes() const {
-  constexpr double kLeast_k = 0.2;
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const ImuStretch& stretch : data_.stretches) {
-    for (const double t : stretch.temperature_c) low = std::min(low, t), high = std::max(high, t);
-  }
-  return high - low > kLeast_k;
-}
-
-// Why the set says nothing of what these sensors have wrong; empty: it says something.
-std::string ImuProblem::lacking(const effects::Inertial& by) const {
-  const effects::Triad none{};
-  const auto differs = [&](const effects::InertialSensor& sensor) {
-    return sensor.bias != none || sensor.per_k != none || sensor.scale != none ||
-           sensor.cross != decltype(sensor.cross){} || sensor.most != effects::kNever ||
-           sensor.white != none || sensor.flicker != none || sensor.walk != none ||
-           sensor.rounding != none;
-  };
-  const bool shows_force = by.gyro_per_force != none;
-  if ((differs(by.gyro) || shows_force) && !data_.has[0]) return "no gyroscope was read";
-  if ((differs(by.accel) || shows_force) && !data_.has[3]) return "no accelerometer was read";
-  if ((by.gyro.per_k != none || by.accel.per_k != none) && !warmth_changes())
-    return "no temperature was logged, or it stays the same";
-  const auto moves_vectors = [](const effects::InertialSensor& sensor) {
-    return sensor.scale != effects::Triad{} || sensor.cross != decltype(sensor.cross){} ||
-           sensor.most != effects::kNever;
-  };
-  if (moves_vectors(by.gyro) && !turns())
-    return "the sensor rests in every stretch, or its rates are unknown";
-  if ((moves_vectors(by.accel) || by.accel.bias != none || shows_force) && !attitudes_)
-    return "gravity is seen along one direction alone";
-  return "";
-}
-
-std::string ImuProblem::not_testable(const Model& model, const EffectDefinition& effect,
-                                     size_t parameter) const {
-  if (effect.noise) {
-    std::vector<double> values;
-    for (const effects::Parameter& one : effect.parameters) values.push_back(one.neutral);
-    const effects::Parameter& tried = effect.parameters[parameter];
-    values[parameter] = tried.fit_reciprocal ? tried.scale : tried.neutral + tried.scale;
-    effects::Noise noise;
-    effect.noise(values, noise);
-    if (std::string why = lacking(noise.inertial); !why.empty()) return why;
-  }
-  return Problem::not_testable(model, effect, parameter);
-}
-
-// The end of a range is at the largest reading seen, or beyond it.
-std::vector<std::vector<double>> ImuProblem::starts(const Model& model,
-                                                    const EffectDefinition& effect) const {
-  if (effects::start_rule(effect, facts_.set.kind).search != effects::StartSearch::ceiling)
-    return Problem::starts(model, effect);
-  effects::Noise ends;
-  const std::vector<double> nearest = {effect.parameters[0].min};
-  effect.noise(nearest, ends);
-  double most = nearest[0];
-  for (const Row& row : rows_) {
-    const bool ended = sensor(ends.inertial, row.axis).most == nearest[0];
-    if (ended && row.what == Row::What::mean) most = std::max(most, std::abs(row.observed));
-  }
-  return {{most}};
 }
 
 void ImuProblem::add_rows(const MeasurementSet& set) {
@@ -291,8 +202,8 @@ double ImuProblem::force_size(const Row& row, const effects::Inertial& inertial)
   return size_of(truth.force_mps2);
 }
 
-// The model's power over the smooth spectrum, as a mean over the band. Their ratio changes little
-// within it.
+// The model's power over the smooth spectrum, as a mean over the band. But for lines their ratio
+// changes little within it.
 double ImuProblem::power_ratio(const Row& row, const effects::Inertial& inertial) const {
   constexpr size_t kPlaces = 4;
   const ImuStretch& stretch = data_.stretches[row.stretch];
@@ -351,10 +262,17 @@ void ImuProblem::check_model(const Model& model) const {
   }
 }
 
+size_t ImuProblem::longest_stretch() const {
+  const auto shorter = [](const ImuStretch& a, const ImuStretch& b) {
+    return a.rows.size() < b.rows.size();
+  };
+  return static_cast<size_t>(
+      std::max_element(data_.stretches.begin(), data_.stretches.end(), shorter) -
+      data_.stretches.begin());
+}
+
 std::vector<Curve> ImuProblem::curves(const Model& model) const {
-  const auto longest = std::max_element(
-      data_.stretches.begin(), data_.stretches.end(),
-      [](const ImuStretch& a, const ImuStretch& b) { return a.rows.size() < b.rows.size(); });
+  const ImuStretch& longest = data_.stretches[longest_stretch()];
   const effects::Inertial inertial = effects::inertial_of(model);
   std::vector<Curve> curves;
   for (size_t axis = 0; axis < kImuAxes; ++axis) {
@@ -365,14 +283,19 @@ std::vector<Curve> ImuProblem::curves(const Model& model) const {
                 .at_name = "averaged over",
                 .at_unit = "s",
                 .unit = axis < 3 ? "rad/s" : "m/s^2",
-                .points = allan_deviation(longest->samples[axis], longest->dt_s)};
+                .points = allan_deviation(longest.samples[axis], longest.dt_s)};
     for (CurvePoint& point : curve.points) {
+      const double m = std::round(point.at / longest.dt_s);
+      const effects::InertialSensor& by = sensor(inertial, axis);
       point.expected = allan_deviation_of(
           [&](double omega) {
             return stated_[axis] * stated_[axis] +
-                   effects::noise_power(sensor(inertial, axis), axis % 3, omega, longest->dt_s);
+                   effects::smooth_noise_power(by, axis % 3, omega, longest.dt_s);
           },
-          std::round(point.at / longest->dt_s));
+          m);
+      for (const effects::Vibration& line : by.vibrations)
+        point.expected = std::hypot(point.expected, std::sqrt(effects::vibration_allan_variance(
+                                                        line, axis % 3, m, longest.dt_s)));
     }
     curves.push_back(std::move(curve));
   }

@@ -34,6 +34,10 @@ class ImuProblem : public Problem, public HasCurves {
                            size_t parameter) const override;
   std::vector<std::vector<double>> starts(const Model& model,
                                           const EffectDefinition& effect) const override;
+  std::vector<std::vector<double>> starts_on(const Groups& groups, const Model& model,
+                                             const EffectDefinition& effect,
+                                             const EffectList& companions) const override;
+  double looks(const Model& model, const EffectDefinition& effect) const override;
   bool is_smooth(const Model&) const override { return true; }
   std::vector<char> find_outliers(const Model&) const override {
     return std::vector<char>(facts_.scalars(), 0);
@@ -60,6 +64,10 @@ class ImuProblem : public Problem, public HasCurves {
   bool turns() const;
   bool warmth_changes() const;
   std::string lacking(const effects::Inertial& by) const;
+  size_t longest_stretch() const;
+  size_t axis_of_line(const EffectDefinition& effect) const;
+  std::vector<std::vector<double>> line_starts(const Model& model, const EffectDefinition& effect,
+                                               const Groups& groups) const;
   double predicted(const Row& row, const effects::Inertial& inertial) const;
   double power_ratio(const Row& row, const effects::Inertial& inertial) const;
   double reading_of(const Row& row, const effects::Inertial& inertial, double warmer_k) const;

@@ -111,6 +111,14 @@ void hold_last(std::vector<double>& values) {
 
 }  // namespace
 
+Vec3 force_read(const ImuStretch& stretch) {
+  return {stretch.mean[3], stretch.mean[4], stretch.mean[5]};
+}
+
+double size_of(const Vec3& v) {
+  return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
 ImuData read_imu(const MeasurementSet& set, bool measured) {
   const CsvTable table = set.table("imu");
   for (const size_t sensor : {0, 3}) {

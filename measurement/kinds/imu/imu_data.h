@@ -36,6 +36,10 @@ struct ImuStretch {
   std::optional<double> warmth_c;                     // The mean temperature.
 };
 
+// The mean that its accelerometer reads.
+Vec3 force_read(const ImuStretch& stretch);
+double size_of(const Vec3& v);
+
 struct ImuData {
   std::vector<ImuStretch> stretches;
   std::array<bool, kImuAxes> has{};  // Whether the axis was measured.

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "effects/stages/inertial/vibration.h"
 #include "measurement/kinds/imu/cosine_transform.h"
 #include "measurement/kinds/imu/imu.h"
 #include "sim_core/base/random.h"
@@ -17,7 +18,12 @@ std::vector<double> noise_of(const effects::InertialSensor& sensor, size_t axis,
   for (size_t k = 0; k < n; ++k) {
     // The mean of a stretch wanders as lines do half a line before the first one.
     const double omega = omega_of_line(k == 0 ? 0.5 : static_cast<double>(k), n);
-    const double power = stated * stated + effects::noise_power(sensor, axis, omega, stretch.dt_s);
+    double power = stated * stated + effects::smooth_noise_power(sensor, axis, omega, stretch.dt_s);
+    const double here = static_cast<double>(k);
+    for (const effects::Vibration& one : sensor.vibrations)
+      power += effects::vibration_power_between(one, axis, omega_of_line(here - 0.5, n),
+                                                omega_of_line(here + 0.5, n),
+                                                static_cast<double>(n), stretch.dt_s);
     lines[k] = std::sqrt(power) * normal(stream, k);
   }
   return inverse_cosine_transform(lines);

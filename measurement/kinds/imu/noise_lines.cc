@@ -14,50 +14,67 @@ constexpr size_t kLeastLines = 4;  // Of a band: the cube root of their power is
 constexpr double kLeastWarming_k = 0.2;
 constexpr size_t kMostCells = 600, kMostModes = 64;
 
-std::array<double, 4> shapes_at(double omega) {
+constexpr size_t kPowers = 4;                        // Of frequency, before the peaks.
+constexpr double kPeakWidths[] = {0.25, 0.5, 1, 2};  // Times that of the window that found it.
+
+std::vector<double> shapes_at(double omega, const std::vector<SpectralPeak>& peaks) {
   const double difference = 2 * std::sin(omega / 2);
-  return {difference * difference, 1, 1 / difference, 1 / (difference * difference)};
+  std::vector<double> shapes = {difference * difference, 1, 1 / difference,
+                                1 / (difference * difference)};
+  for (const SpectralPeak& peak : peaks) {
+    for (const double wide : kPeakWidths)
+      shapes.push_back(height_at({peak.omega, wide * peak.width}, omega));
+  }
+  return shapes;
 }
 
 struct PooledBand {
-  double omega = 0, power = 0, lines = 0;
+  double power = 0, lines = 0;
+  std::vector<double> shapes;
 };
 
 // By Itakura and Saito's distance, which is the likelihood of powers: multiplicative steps, in
 // which sizes stay positive (Fevotte and Idier 2011).
-SmoothSpectrum smooth_through(const std::vector<PooledBand>& bands) {
+std::vector<double> sizes_through(const std::vector<PooledBand>& bands) {
   constexpr int kSteps = 400;
-  SmoothSpectrum smooth;
-  std::array<double, 4> begin{};
+  const size_t count = bands.front().shapes.size();
+  std::vector<double> sizes(count, 0), up(count), down(count);
   double lines = 0;
+  double most = 0;
   for (const PooledBand& band : bands) {
-    const auto shapes = shapes_at(band.omega);
-    for (size_t j = 0; j < 4; ++j) begin[j] += band.lines * band.power / shapes[j];
+    for (size_t j = 0; j < kPowers; ++j) sizes[j] += band.lines * band.power / band.shapes[j];
     lines += band.lines;
+    most = std::max(most, band.power);
   }
-  for (size_t j = 0; j < 4; ++j) smooth.size[j] = std::max(1e-300, begin[j] / (4 * lines));
+  for (size_t j = 0; j < count; ++j)
+    sizes[j] = j < kPowers ? std::max(1e-300, sizes[j] / (kPowers * lines)) : most;
   for (int step = 0; step < kSteps; ++step) {
-    std::array<double, 4> up{}, down{};
+    std::fill(up.begin(), up.end(), 0), std::fill(down.begin(), down.end(), 0);
     for (const PooledBand& band : bands) {
-      const auto shapes = shapes_at(band.omega);
-      const double all = smooth.at(band.omega);
-      for (size_t j = 0; j < 4; ++j) {
-        up[j] += band.lines * shapes[j] * band.power / (all * all);
-        down[j] += band.lines * shapes[j] / all;
+      double all = 0;
+      for (size_t j = 0; j < count; ++j) all += sizes[j] * band.shapes[j];
+      for (size_t j = 0; j < count; ++j) {
+        up[j] += band.lines * band.shapes[j] * band.power / (all * all);
+        down[j] += band.lines * band.shapes[j] / all;
       }
     }
-    for (size_t j = 0; j < 4; ++j) smooth.size[j] *= std::sqrt(up[j] / down[j]);
+    for (size_t j = 0; j < count; ++j) sizes[j] *= std::sqrt(up[j] / down[j]);
   }
-  return smooth;
+  return sizes;
 }
 
-// Ends of bands over the lines 1 to n - 1.
-std::vector<size_t> band_ends(size_t n, double share) {
+// Ends of bands over the lines 1 to n - 1: a share of the lines below, less near peaks, and so many
+// lines at least.
+std::vector<size_t> band_ends(size_t n, double share, size_t least,
+                              const std::vector<SpectralPeak>& peaks) {
   std::vector<size_t> ends = {1};
   while (ends.back() < n) {
-    const auto wide = static_cast<size_t>(share * static_cast<double>(ends.back()));
-    size_t next = ends.back() + std::max(kLeastLines, wide);
-    if (n < next + kLeastLines) next = n;
+    const auto here = static_cast<double>(ends.back());
+    const double fine =
+        finest_at(peaks, omega_of_line(here, n)) * static_cast<double>(n) / maths::kPi;
+    const auto wide = static_cast<size_t>(std::min(share * here, fine));
+    size_t next = ends.back() + std::max(least, wide);
+    if (n < next + least) next = n;
     ends.push_back(next);
   }
   return ends;
@@ -69,22 +86,50 @@ struct Lines {
   std::vector<double> leverage;  // Empty: no temperature.
 };
 
-std::vector<PooledBand> pooled(const std::vector<Lines>& all) {
+std::vector<PooledBand> pooled(const std::vector<Lines>& all,
+                               const std::vector<SpectralPeak>& peaks) {
   constexpr double kFine = 0.1;
   std::vector<PooledBand> bands;
   for (const Lines& lines : all) {
     const size_t n = lines.reading.size();
     // The first lines one by one: there the spectrum may be steep.
-    for (size_t k = 1; k < n;) {
-      const size_t next =
-          std::min(n, k + std::max<size_t>(1, static_cast<size_t>(kFine * static_cast<double>(k))));
-      PooledBand band{.omega = omega_of_line(0.5 * static_cast<double>(k + next - 1), n)};
-      for (; k < next; ++k) band.power += lines.reading[k] * lines.reading[k], ++band.lines;
+    const std::vector<size_t> ends = band_ends(n, kFine, 1, peaks);
+    for (size_t b = 0; b + 1 < ends.size(); ++b) {
+      PooledBand band;
+      for (size_t k = ends[b]; k < ends[b + 1]; ++k)
+        band.power += lines.reading[k] * lines.reading[k], ++band.lines;
       band.power = std::max(band.power / band.lines, 1e-300);
+      band.shapes =
+          shapes_at(omega_of_line(0.5 * static_cast<double>(ends[b] + ends[b + 1] - 1), n), peaks);
       bands.push_back(band);
     }
   }
   return bands;
+}
+
+WhiteLines whitened(const std::vector<Lines>& all, const SmoothSpectrum& smooth) {
+  size_t longest = 0;
+  for (const Lines& lines : all) longest = std::max(longest, lines.reading.size());
+  WhiteLines white{.step = omega_of_line(1, longest),
+                   .power = std::vector<double>(longest, 0),
+                   .count = std::vector<double>(longest, 0)};
+  for (const Lines& lines : all) {
+    const size_t n = lines.reading.size();
+    for (size_t k = 1; k < n; ++k) {
+      const size_t cell = std::min(longest - 1, (2 * k * longest + n) / (2 * n));
+      white.power[cell] +=
+          lines.reading[k] * lines.reading[k] / smooth.at(omega_of_line(static_cast<double>(k), n));
+      white.count[cell] += 1;
+    }
+  }
+  return white;
+}
+
+SmoothSpectrum smooth_through(const std::vector<Lines>& lines, double share) {
+  SmoothSpectrum smooth{.size = sizes_through(pooled(lines, {}))};
+  smooth.peaks = peaks_of(whitened(lines, smooth), share);
+  if (!smooth.peaks.empty()) smooth.size = sizes_through(pooled(lines, smooth.peaks));
+  return smooth;
 }
 
 // Cells of a stretch: means of readings and temperature, dealt out to parts in turn.
@@ -170,7 +215,7 @@ Lines lines_of(const ImuStretch& stretch, size_t axis, const SmoothSpectrum* smo
 void add_bands(const Lines& lines, size_t stretch, const SmoothSpectrum& smooth, double share,
                std::vector<NoiseBand>& bands) {
   const size_t n = lines.reading.size();
-  const std::vector<size_t> ends = band_ends(n, share);
+  const std::vector<size_t> ends = band_ends(n, share, kLeastLines, smooth.peaks);
   for (size_t b = 0; b + 1 < ends.size(); ++b) {
     NoiseBand band{.stretch = stretch, .first = ends[b], .last = ends[b + 1]};
     band.freedom = static_cast<double>(band.last - band.first);
@@ -209,9 +254,15 @@ std::vector<StretchMean> means_of(const ImuStretch& stretch, size_t axis, size_t
 }  // namespace
 
 double SmoothSpectrum::at(double omega) const {
-  const auto shapes = shapes_at(omega);
-  double sum = 0;
-  for (size_t j = 0; j < 4; ++j) sum += size[j] * shapes[j];
+  const double difference = 2 * std::sin(omega / 2);
+  double sum = size[0] * difference * difference + size[1] + size[2] / difference +
+               size[3] / (difference * difference);
+  for (size_t j = kPowers; j < size.size(); ++j) {
+    const SpectralPeak& peak = peaks[(j - kPowers) / std::size(kPeakWidths)];
+    sum += size[j] *
+           height_at({peak.omega, kPeakWidths[(j - kPowers) % std::size(kPeakWidths)] * peak.width},
+                     omega);
+  }
   return sum;
 }
 
@@ -234,7 +285,7 @@ AxisNoise noise_of_axis(const ImuData& data, size_t axis, size_t parts, double s
     lines.clear();
     for (const ImuStretch& stretch : data.stretches)
       lines.push_back(lines_of(stretch, axis, round == 0 ? nullptr : &out.smooth));
-    if (round < 2) out.smooth = smooth_through(pooled(lines));
+    if (round < 2) out.smooth = smooth_through(lines, share);
     if (round == 0 && std::none_of(data.stretches.begin(), data.stretches.end(), warms)) break;
   }
   for (size_t s = 0; s < data.stretches.size(); ++s) {

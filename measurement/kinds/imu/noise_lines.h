@@ -1,18 +1,21 @@
 // The noise of one axis over frequency, by its lines: coefficients of the cosine transform of each
 // stretch. Lines of a band are summed up, each over a smooth spectrum that fits them, so that a
-// band may be wide where the spectrum is steep.
+// band may be wide where the spectrum is steep. Near peaks bands are narrow.
 #pragma once
 
 #include <array>
 #include <vector>
 
 #include "measurement/kinds/imu/imu_data.h"
+#include "measurement/kinds/imu/spectral_peaks.h"
 
 namespace seam::measurement {
 
-// The four powers of frequency of IEEE 952: rounding, white, flicker, walk; a size for each.
+// The four powers of frequency of IEEE 952: rounding, white, flicker, walk, a size for each; and
+// Lorentzians where peaks are, by several widths each.
 struct SmoothSpectrum {
-  std::array<double, 4> size{};
+  std::vector<double> size;
+  std::vector<SpectralPeak> peaks;
   double at(double omega) const;
 };
 
