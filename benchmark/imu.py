@@ -80,7 +80,7 @@ def noise(draw, sizes, count):
 def draw_effect(draw, effect):
     """Values by axis, and others by their parameters' names."""
     if effect in CLOCK:
-        return {"drift_ppm": draw.signed(20, 5000)} if effect == "imu_clock" else {"jitter_s": draw.log_uniform(2e-4, 3e-3)}
+        return {"drift_ppm": draw.signed(20, 5000)} if effect == "imu_clock" else {"sigma_s": draw.log_uniform(2e-4, 3e-3)}
     sensor, kind = split(effect)
     big = 1 if sensor == "gyro" else 10
     white = WHITE[sensor] / math.sqrt(DT)  # Of a sample.
@@ -172,7 +172,7 @@ def stamps(draw, effect, values, start, count):
     """When the host says that samples were taken, whose distance the sensor's own clock keeps."""
     t = start + DT / (1 + 1e-6 * values.get("drift_ppm", 0)) * np.arange(count)
     # A stamp may be early or late, but never so much that the next one comes before it.
-    late = np.clip(values.get("jitter_s", 0) * draw.normal(size=count), -0.49 * DT, 0.49 * DT)
+    late = np.clip(values.get("sigma_s", 0) * draw.normal(size=count), -0.49 * DT, 0.49 * DT)
     return t + late if effect == "imu_jitter" else t
 
 

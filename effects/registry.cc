@@ -140,7 +140,9 @@
   X(accel_temperature)        \
   X(accel_bias)               \
   X(accel_saturation)         \
-  X(accel_vibration)
+  X(accel_vibration)          \
+  X(imu_clock)                \
+  X(imu_jitter)
 
 namespace seam::effects {
 

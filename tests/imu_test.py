@@ -4,6 +4,7 @@ import and exports: imu_test.py SEAM"""
 import json
 import math
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -79,6 +80,29 @@ class Sets(unittest.TestCase):
             with self.subTest(effect, number=number):
                 found, _ = self.is_found(effect, number)
                 self.follows_the_curve(found)
+
+    def test_clock_and_stamps(self):
+        for effect in ("imu_clock", "imu_jitter"):
+            with self.subTest(effect):
+                _, folder = self.is_found(effect)
+        # Without the rate by the sensor's own clock stamps tell nothing, and SEAM says why.
+        settings = folder / "measurement.yaml"
+        settings.write_text(re.sub("rate_hz.*\n", "", settings.read_text()))
+        out = folder / "diagnosed.json"
+        run("diagnose", "--model", folder / "nominal.yaml", "--data", folder, "--json", out)
+        self.assertIn("rate_hz", out.read_text())
+        # What `seam measure` makes of this protocol has the clock of its model.
+        settings.write_text(settings.read_text() + "rate_hz: 50\n")
+        (folder / "truth.yaml").write_text((folder / "nominal.yaml").read_text()
+                                           + "  imu_clock: {drift_ppm: -1200}\n  imu_jitter: {sigma_s: 0.0004}\n")
+        made = self.folder / "made"
+        run("measure", "--model", folder / "truth.yaml", "--protocol", folder, "--seed", 5, "--out", made)
+        stamps = np.genfromtxt(made / "imu.csv", delimiter=",", names=True)["time_s"]
+        # The protocol's own stamps scatter, too.
+        late = stamps - np.genfromtxt(folder / "imu.csv", delimiter=",", names=True)["time_s"]
+        slope, start = np.polyfit(np.arange(len(late)), late, 1)
+        self.assertAlmostEqual(slope / 0.02, 1200e-6, delta=2e-6)
+        self.assertAlmostEqual(np.std(late - start - slope * np.arange(len(late))), 4e-4, delta=1e-5)
 
     def test_a_line_is_no_line_of_data_sheets(self):
         _, folder = self.is_found("gyro_vibration", 2)

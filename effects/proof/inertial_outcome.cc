@@ -24,6 +24,8 @@ Quantities inertial_outcome(const Model& model, const Quantities& given) {
     out.push_back({"w" + name + "_power", noise_power(inertial.gyro, index, omega, dt_s)});
     out.push_back({"a" + name + "_power", noise_power(inertial.accel, index, omega, dt_s)});
   }
+  out.push_back({"sample_distance_s", dt_s / (1 + 1e-6 * inertial.clock_ppm)});
+  out.push_back({"stamp_sigma_s", inertial.stamp_sigma_s});
   return out;
 }
 

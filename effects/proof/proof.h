@@ -35,7 +35,8 @@
 //                flex_m [0]; shift_x_m, turn_z_rad [0] of a sway -> x_m, y_m, z_m, scatter_m,
 //                flex_sigma_m, sway_shift_sigma_m, sway_turn_sigma_rad
 //   inertial     wx_radps .. az_mps2 [0], temperature_c [25] -> wx_radps .. az_mps2 as reported;
-//                frequency_hz [1], rate_hz [100] -> wx_power .. az_power of the noise
+//                frequency_hz [1], rate_hz [100] -> wx_power .. az_power of the noise,
+//                sample_distance_s, stamp_sigma_s
 #pragma once
 
 #include <memory>

@@ -72,9 +72,9 @@ inline constexpr double kBiasAt_c = 25;
 
 struct Inertial {
   InertialSensor gyro, accel;
-  Triad gyro_per_force{};     // Of a gyroscope's axis by the force along it, (rad/s) / (m/s^2).
-  double clock_rate = 0;      // Relative: how much faster than true time its clock runs.
-  double stamp_jitter_s = 0;  // Standard deviation of a sample's time stamp.
+  Triad gyro_per_force{};    // Of a gyroscope's axis by the force along it, (rad/s) / (m/s^2).
+  double clock_ppm = 0;      // How much faster its clock runs than the one that stamps its samples,
+  double stamp_sigma_s = 0;  // and by how much the stamps scatter.
 };
 
 struct Noise {

@@ -53,6 +53,11 @@ void describe_imu(ConfigTable& table) {
   table.number(
       {"gravity_mps2", "Of imu: the size of the force that the accelerometer feels at rest."},
       gravity_mps2, {0.1, 100});
+  double rate_hz = 0;
+  table.number({"rate_hz",
+                "Of imu: samples a second by the sensor's own clock, as its data sheet "
+                "has it: the set's time stamps then tell of that clock."},
+               rate_hz, {1e-3, 1e6});
 }
 
 void describe_set(ConfigTable& table, MeasurementSet& set) {

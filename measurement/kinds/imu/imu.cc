@@ -6,6 +6,7 @@
 
 #include "effects/stages/inertial/vibration.h"
 #include "measurement/kinds/imu/allan.h"
+#include "measurement/kinds/imu/stamps.h"
 #include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
@@ -60,6 +61,11 @@ void ImuProblem::add_rows(const MeasurementSet& set) {
   for (size_t s = 0; s < data_.stretches.size(); ++s) {
     for (size_t part = 0; part < parts; ++part) add_means(s, part, group_of(s, part));
   }
+  for (size_t s = 0; s < data_.stretches.size() && data_.rate_hz > 0; ++s) {
+    std::vector<std::string> in_turn;
+    for (size_t part = 0; part < parts; ++part) in_turn.push_back(group_of(s, part));
+    add_stamps(s, in_turn);
+  }
   for (size_t axis = 0; axis < kImuAxes; ++axis) {
     size_t number = 0;
     for (const NoiseBand& band : noise_[axis].bands)
@@ -99,6 +105,26 @@ void ImuProblem::add_means(size_t stretch, size_t part, const std::string& group
              .observed = data_.gravity_mps2,
              .sigma = std::sqrt(variance)},
             "gravity_mps2", group);
+}
+
+void ImuProblem::add_stamps(size_t stretch, const std::vector<std::string>& groups) {
+  const auto parts = stamps_of(data_.stretches[stretch], groups.size(), data_.rate_hz);
+  double scale = 0, freedom = 0;
+  for (const StampPart& part : parts)
+    scale += part.freedom * part.variance_s2, freedom += part.freedom;
+  for (size_t part = 0; part < parts.size(); ++part) {
+    const StampPart& one = parts[part];
+    Row row{.stretch = stretch, .part = part};
+    row.what = Row::What::clock, row.observed = one.drift_ppm;
+    row.sigma = std::sqrt(one.drift_variance);
+    add_row(row, "clock_ppm", groups[part]);
+    if (!(one.freedom > 0)) continue;
+    // As a power: the cube root of a variance, over that of the whole stretch.
+    row.what = Row::What::jitter, row.freedom = one.freedom, row.scale = scale / freedom;
+    row.observed = 3 * std::cbrt(one.variance_s2 / row.scale);
+    row.sigma = std::sqrt(2 / one.freedom + kPowerAccuracy * kPowerAccuracy);
+    add_row(row, "stamps_power", groups[part]);
+  }
 }
 
 void ImuProblem::add_power(const NoiseBand& band, size_t axis, const std::string& group) {
@@ -230,11 +256,18 @@ double ImuProblem::predicted(const Row& row, const effects::Inertial& inertial) 
       return reading_of(row, inertial, 0.5) - reading_of(row, inertial, -0.5);
     case Row::What::gravity:
       return force_size(row, inertial);
+    case Row::What::clock:
+      return inertial.clock_ppm;
+    case Row::What::jitter:
     case Row::What::power:
       break;
   }
+  const double scattered = inertial.stamp_sigma_s * inertial.stamp_sigma_s;
+  const double ratio = row.what == Row::What::power
+                           ? power_ratio(row, inertial)
+                           : (scattered + kEvenStamps_s * kEvenStamps_s) / row.scale;
   // The mean of the cube root of a power of so many degrees of freedom.
-  return 3 * std::cbrt(power_ratio(row, inertial)) * (1 - 2 / (9 * row.freedom));
+  return 3 * std::cbrt(ratio) * (1 - 2 / (9 * row.freedom));
 }
 
 Evaluation ImuProblem::evaluate(const Model& model, const Groups& groups, const Evaluation*) const {

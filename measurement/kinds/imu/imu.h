@@ -49,20 +49,23 @@ class ImuProblem : public Problem, public HasCurves {
 
  private:
   struct Row {
-    enum class What { mean, per_k, gravity, power } what = What::mean;
+    enum class What { mean, per_k, gravity, power, clock, jitter } what = What::mean;
     size_t stretch = 0, axis = 0, part = 0;
     double observed = 0, sigma = 0;
-    double freedom = 0;          // Of a power,
-    size_t first = 0, last = 0;  // its lines.
+    double freedom = 0;          // Of a power and of a variance of stamps,
+    double scale = 1;            // what that is held against,
+    size_t first = 0, last = 0;  // and its lines.
   };
   void add_rows(const MeasurementSet& set);
   void add_means(size_t stretch, size_t part, const std::string& group);
+  void add_stamps(size_t stretch, const std::vector<std::string>& groups);
   void add_power(const NoiseBand& band, size_t axis, const std::string& group);
   void add_row(Row row, const std::string& channel, const std::string& group);
   void add_covariates();
   bool sees_attitudes() const;
   bool turns() const;
   bool warmth_changes() const;
+  bool stamps_scatter() const;
   std::string lacking(const effects::Inertial& by) const;
   size_t longest_stretch() const;
   size_t axis_of_line(const EffectDefinition& effect) const;

@@ -76,6 +76,11 @@ bool ImuProblem::warmth_changes() const {
   return high - low > kLeast_k;
 }
 
+bool ImuProblem::stamps_scatter() const {
+  return std::any_of(rows_.begin(), rows_.end(),
+                     [](const Row& row) { return row.what == Row::What::jitter; });
+}
+
 // Why the set says nothing of what these sensors have wrong; empty: it says something.
 std::string ImuProblem::lacking(const effects::Inertial& by) const {
   const effects::Triad none{};
@@ -88,6 +93,11 @@ std::string ImuProblem::lacking(const effects::Inertial& by) const {
   const bool shows_force = by.gyro_per_force != none;
   if ((differs(by.gyro) || shows_force) && !data_.has[0]) return "no gyroscope was read";
   if ((differs(by.accel) || shows_force) && !data_.has[3]) return "no accelerometer was read";
+  if (by.clock_ppm != 0 && !(data_.rate_hz > 0))
+    return "the set does not say at which rate the sensor samples by its own clock (rate_hz)";
+  if (by.stamp_sigma_s > 0 && !(data_.rate_hz > 0))
+    return "nothing is asked of the time stamps: the set has no rate_hz";
+  if (by.stamp_sigma_s > 0 && !stamps_scatter()) return "the time stamps are even";
   if ((by.gyro.per_k != none || by.accel.per_k != none) && !warmth_changes())
     return "no temperature was logged, or it stays the same";
   const auto moves_vectors = [](const effects::InertialSensor& sensor) {

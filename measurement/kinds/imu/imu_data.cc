@@ -86,6 +86,9 @@ void take(const Columns& columns, std::vector<size_t> rows, ImuData& data) {
                  static_cast<double>(n - 1);
   stretch.start_s = 1e-9 * static_cast<double>(columns.time_ns[first] - columns.time_ns[0]);
   stretch.group = columns.run.empty() ? std::to_string(data.stretches.size()) : columns.run[first];
+  for (const size_t row : rows)
+    stretch.stamp_s.push_back(1e-9 *
+                              static_cast<double>(columns.time_ns[row] - columns.time_ns[first]));
   for (size_t axis = 0; axis < kImuAxes; ++axis) {
     if (!columns.truth[axis].empty()) stretch.truth[axis] = columns.truth[axis][first];
     if (columns.samples[axis].empty()) continue;
@@ -133,6 +136,7 @@ ImuData read_imu(const MeasurementSet& set, bool measured) {
   ImuData data;
   data.gravity_mps2 =
       set.root.number_or("gravity_mps2", data.gravity_mps2, {.min = 0.1, .max = 100});
+  data.rate_hz = set.root.number_or("rate_hz", 0, {.min = 1e-3, .max = 1e6});
   for (size_t axis = 0; axis < kImuAxes; ++axis) data.has[axis] = !columns.samples[axis].empty();
   data.knows_rates = !columns.truth[0].empty();
   data.knows_forces = !columns.truth[3].empty();

@@ -29,6 +29,7 @@ struct ImuStretch {
   double dt_s = 0;
   double start_s = 0;                                 // Since the first sample of the set.
   std::vector<size_t> rows;                           // Of the table.
+  std::vector<double> stamp_s;                        // Of each, since its own first one.
   std::array<std::vector<double>, kImuAxes> samples;  // Empty: not measured, or a protocol.
   std::array<double, kImuAxes> truth{};               // Where it is known.
   std::vector<double> temperature_c;                  // Empty: not logged.
@@ -46,7 +47,8 @@ struct ImuData {
   bool knows_rates = false;          // Else the gyroscope is at rest.
   bool knows_forces = false;         // Else only the size of gravity is known.
   double gravity_mps2 = 9.80665;
-  size_t left = 0;  // Samples that are in no stretch.
+  double rate_hz = 0;  // By the sensor's own clock; 0: not known.
+  size_t left = 0;     // Samples that are in no stretch.
 };
 
 // Reads and checks imu.csv. `measured` false: a protocol, readings are not looked at.

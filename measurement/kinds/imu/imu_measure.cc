@@ -1,4 +1,5 @@
 // Makes a set of inertial sensors: what the model would report by a protocol's times.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -27,6 +28,26 @@ std::vector<double> noise_of(const effects::InertialSensor& sensor, size_t axis,
     lines[k] = std::sqrt(power) * normal(stream, k);
   }
   return inverse_cosine_transform(lines);
+}
+
+std::vector<double> stamps_by(const effects::Inertial& inertial, const ImuData& data,
+                              const CsvTable& table, const MeasureOptions& options,
+                              const RandomStream& stream) {
+  std::vector<double> stamp_s;
+  for (const int64_t at_ns : table.times_ns("time_s"))
+    stamp_s.push_back(1e-9 * static_cast<double>(at_ns));
+  for (size_t s = 0; s < data.stretches.size(); ++s) {
+    const ImuStretch& stretch = data.stretches[s];
+    const double start_s = stamp_s[stretch.rows.front()];
+    const RandomStream late = stream.child("stamps").child(s);
+    const double most = 0.49 * stretch.dt_s;  // The next one never comes before it.
+    for (size_t i = 0; i < stretch.rows.size(); ++i) {
+      double at_s = start_s + stretch.stamp_s[i] / (1 + 1e-6 * inertial.clock_ppm);
+      if (options.noise) at_s += std::clamp(inertial.stamp_sigma_s * normal(late, i), -most, most);
+      stamp_s[stretch.rows[i]] = at_s;
+    }
+  }
+  return stamp_s;
 }
 
 }  // namespace
@@ -63,9 +84,15 @@ void measure_imu(const Model& truth, const MeasurementSet& protocol,
       }
     }
   }
+  // The sensor's clock says when samples are taken, and the host stamps them.
+  const bool stamps = inertial.clock_ppm != 0 || inertial.stamp_sigma_s > 0;
+  std::vector<std::string> names = {kImuColumns.begin(), kImuColumns.end()};
+  if (stamps) {
+    names.emplace_back("time_s");
+    columns.push_back(stamps_by(inertial, data, table, options, stream));
+  }
   copy_protocol(protocol, options.out, {"imu"});
-  write_table_with(table, {kImuColumns.begin(), kImuColumns.end()}, columns,
-                   written_path(options.out, protocol.files.at("imu")));
+  write_table_with(table, names, columns, written_path(options.out, protocol.files.at("imu")));
 }
 
 }  // namespace seam::measurement
