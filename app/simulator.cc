@@ -7,7 +7,7 @@
 #include "app/scene_assets.h"
 #include "app/trust/tokens.h"
 #include "effects/questions.h"
-#include "effects/stages/robot_parts.h"
+#include "effects/stages/robots/robot_parts.h"
 #include "scheduler/log/log_records.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"

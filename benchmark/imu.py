@@ -95,7 +95,7 @@ def draw_effect(draw, effect):
         frequency = draw.log_uniform(1.5, 22)
         return spread(0.2 * white, white) | {"frequency_hz": frequency, "quality": draw.log_uniform(10, 300),
                                              "skew": float(draw.choice((-1, 0, 0, 1)))}
-    return {"white_noise": lambda: spread(1.5 * WHITE[sensor], 4 * WHITE[sensor]),
+    return {"white_noise": lambda: spread(1.2 * WHITE[sensor], 2.4 * WHITE[sensor]),
             "bias_instability": lambda: spread(4e-4 * big, 2e-3 * big),
             "random_walk": lambda: spread(6e-5 * big, 3e-4 * big),
             "quantisation": lambda: spread(4e-5 * big, 1.5e-4 * big),

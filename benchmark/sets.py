@@ -103,7 +103,7 @@ def number_text(value):
 def model_text(name, effects):
     lines = [f"  {effect}: {{{', '.join(f'{key}: {number_text(value)}' for key, value in values.items())}}}"
              for effect, values in effects.items()]
-    return f"format: seam-model/1\nname: {name}\neffects:\n" + "\n".join(lines) + "\n"
+    return f"format: seam-model/1\nname: {name}\neffects:" + (" {}" if not lines else "") + "\n" + "".join(f"{line}\n" for line in lines)
 
 
 def rows(header, formats, *columns):

@@ -48,6 +48,7 @@ ROOMS = {
         "stages/walk": ["."],
         "stages": [".", "stages/sensor", "stages/torque", "stages/walk"],
         "stages/inertial": [".", "stages"],
+        "stages/robots": [".", "stages", "stages/inertial", "stages/walk"],
         "formulas": [".", "stages", "stages/sensor", "stages/walk"],
         "catalogue/*": [".", "stages", "stages/inertial", "stages/sensor", "stages/torque", "stages/walk"],
         "proof": [".", "stages", "stages/inertial", "stages/sensor", "stages/torque", "stages/walk"],

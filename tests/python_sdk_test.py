@@ -6,6 +6,7 @@ Usage: python_sdk_test.py BUILD_DIR SOURCE_DIR PYTHON [unittest arguments]; PYTH
 """
 import io
 import json
+import math
 import os
 import pathlib
 import re
@@ -79,6 +80,41 @@ class PythonSdk(unittest.TestCase):
         self.assertEqual(summary["fingerprint"], json.loads(GOLDEN.read_text())["head_swing"])
         self.assertEqual(summary["decisions"], 63)
         self.seam("replay", "verify", self.here / "run.mcap")
+
+    def test_an_accelerometer_with_effects(self):
+        """Over real gRPC a behaviour gets what the model's inertial effects make of the force at rest."""
+        notes = self.here / "notes.json"
+        program = self.program(f"""
+robot = seam_sdk.Robot()
+felt = [list(seen.sensors.acceleration_m_s2) for seen in robot.observations()]
+open({str(notes)!r}, "w").write(json.dumps(felt))
+""")
+        effects = ("  accel_bias: {x_mps2: 0.5}\n  accel_scale: {z_scale: 0.02}\n  accel_white_noise: {x_mps2_rthz: 0.01}\n"
+                   "  accel_saturation: {most_mps2: 9.9}\n"
+                   "  accel_vibration: {y_mps2: 0.3, frequency_hz: 6, quality: 2}\n")
+        lens = (SOURCE / "models" / "ers210.yaml").read_text()
+        self.write(lens + ("" if lens.endswith("\n") else "\n") + effects, "felt.yaml")
+        text = scenario(f"{BY_GRPC}, {program}", duration_s=16)
+        self.run_json(self.write(text))
+        true = json.loads(notes.read_text())[-1]  # The robot stands still, and its back slopes.
+        log = self.here / "felt.mcap"
+        self.run_json(self.write(text.replace(f"{SOURCE}/models/ers210.yaml", "felt.yaml")), "--log", log)
+        axes = list(zip(*json.loads(notes.read_text())[1:]))
+        count = len(axes[0])
+        self.assertGreater(count, 400)
+        mean = [sum(axis) / count for axis in axes]
+        spread = [math.sqrt(sum((value - m) ** 2 for value in axis) / count) for axis, m in zip(axes, mean)]
+        white = 0.01 / math.sqrt(0.008)  # Of a sample, by its density.
+        self.assertAlmostEqual(mean[0] - true[0], 0.5, delta=4 * white / math.sqrt(count))
+        self.assertAlmostEqual(spread[0] / white, 1, delta=4 / math.sqrt(2 * count))
+        # The line's width is 3 Hz: so many swings are independent.
+        swings = 16 * math.pi * 3
+        self.assertAlmostEqual(mean[1] - true[1], 0, delta=4 * 0.3 / math.sqrt(swings))
+        self.assertAlmostEqual(spread[1] / 0.3, 1, delta=4 / math.sqrt(swings))
+        # With 2 % more it is beyond the end of the range.
+        self.assertGreater(1.02 * true[2], 9.9)
+        self.assertEqual({round(value, 9) for value in axes[2]}, {9.9})
+        self.seam("replay", "verify", log)
 
     def test_what_a_robot_is_told_and_tells(self):
         """Two robots talk by radio; r0 walks and looks, and writes down what it got."""

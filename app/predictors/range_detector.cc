@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "app/data_file.h"
-#include "effects/stages/robot_parts.h"
+#include "effects/stages/robots/robot_parts.h"
 #include "measurement/imaging/range_detector.h"
 #include "render/colour/colour_detector.h"
 #include "render/colour/colour_space.h"

@@ -5,7 +5,7 @@
 #include "effects/stages/detector.h"
 #include "effects/stages/geometry.h"
 #include "effects/stages/optics.h"
-#include "effects/stages/robot_parts.h"
+#include "effects/stages/robots/robot_parts.h"
 #include "effects/stages/sensor/sensor.h"
 #include "sim_core/base/error.h"
 

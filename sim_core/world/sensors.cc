@@ -36,8 +36,10 @@ bool samples_at(const SensorSpec& sensor, SimTime time) {
 
 }  // namespace
 
-SensorSuite::SensorSuite(const RobotSpec& robot, SimDuration memory, RandomStream stream)
-    : spec_(&robot.sensors), memory_(memory), stream_(stream) {
+SensorSuite::SensorSuite(const RobotSpec& robot, SimDuration memory, RandomStream stream,
+                         std::shared_ptr<const ForceReading> force)
+    : spec_(&robot.sensors), memory_(memory), stream_(stream), force_(std::move(force)) {
+  if (force_) force_state_ = force_->first_state();
   const KinematicTree& tree = robot.body.tree;
   if (tree.present()) {
     tree_joints_ = static_cast<int>(tree.joint_count());
@@ -96,6 +98,7 @@ void SensorSuite::sample(SimTime time, const SensorTruth& truth) {
     Vec3 value = truth.specific_force_B;
     const double sigma = spec_->accelerometer.sigma;
     if (sigma > 0) value += sigma * Vec3(normal(noise, 0), normal(noise, 1), normal(noise, 2));
+    if (force_) value = force_->reading(value, time, force_state_);
     accelerations_.push_back({time, value});
   }
   if (samples_at(spec_->paws, time)) {
@@ -171,6 +174,7 @@ void SensorSuite::visit(StateVisitor& visitor) {
   if (joints_.empty() || odometry_.empty() || accelerations_.empty() || paws_.empty()) {
     throw InputError("snapshot: a sensor without readings");
   }
+  for (double& part : force_state_) visitor.field("accelerometer_state", part);
   visitor.field("odometry_error_x_m", odometry_error_.x_m);
   visitor.field("odometry_error_y_m", odometry_error_.y_m);
   visitor.field("odometry_error_theta_rad", odometry_error_.theta_rad);

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "sim_core/base/pose.h"
 #include "sim_core/base/random.h"
 #include "sim_core/base/time.h"
+#include "sim_core/body/force_reading.h"
 #include "sim_core/body/joints.h"
 #include "sim_core/body/state.h"
 #include "sim_core/scenario/scenario.h"
@@ -50,7 +52,9 @@ struct SensorTruth {
 class SensorSuite {
  public:
   // Joint readings are kept until `memory` after their delivery.
-  SensorSuite(const RobotSpec& robot, SimDuration memory, RandomStream stream);
+  // Without `force` the accelerometer reads what is there.
+  SensorSuite(const RobotSpec& robot, SimDuration memory, RandomStream stream,
+              std::shared_ptr<const ForceReading> force);
 
   // Instants after `after`, up to and including `until`, at which some sensor samples, ascending.
   std::vector<SimTime> sampling_times(SimTime after, SimTime until) const;
@@ -88,6 +92,8 @@ class SensorSuite {
   std::vector<JointReading> joints_;
   std::vector<Odometry> odometry_;
   std::vector<Acceleration> accelerations_;
+  std::shared_ptr<const ForceReading> force_;
+  std::vector<double> force_state_;
   std::vector<Paws> paws_;
   Pose2 odometry_error_;  // What noise has added up to.
   Pose2 last_dead_reckoning_;

@@ -66,7 +66,8 @@ World::Impl::Impl(const Scenario& given, const RobotPartsFactory& parts)
     const RandomStream stream = root_of(scenario).child("robot").child(std::string_view(spec.id));
     robots.emplace_back(spec, parts, stream, substeps);
     const SimDuration turn = longest_turn_of(spec.behaviour.clock);
-    sensors.emplace_back(spec, turn, stream.child("sensors"));
+    sensors.emplace_back(spec, turn, stream.child("sensors"),
+                         parts.accelerometer(spec, stream.child("accelerometer_effects")));
     longest_turn = std::max(longest_turn, turn);
     bodies.robots.push_back({spec.pose.x_m, spec.pose.y_m, spec.pose.theta_rad});
   }

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "effects/stages/robot_parts.h"
+#include "effects/stages/robots/robot_parts.h"
 #include "effects/stages/servo.h"
 
 namespace seam::effects {

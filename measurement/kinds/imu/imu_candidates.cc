@@ -40,9 +40,11 @@ LineSeen line_seen(const std::vector<Raised>& bands, double frequency_hz, double
   }
   LineSeen seen;
   for (size_t axis = 0; axis < along.size(); ++axis) {
-    if (!(along[axis] > 0)) continue;
-    seen.gain += along[axis] * along[axis] / square[axis];
-    seen.rms[axis] = std::sqrt(along[axis] / square[axis]);
+    if (!(square[axis] > 0)) continue;
+    // An axis without the line starts from what chance makes of it: at 0 powers have no slope.
+    const double error = 1 / std::sqrt(square[axis]), variance = along[axis] / square[axis];
+    seen.rms[axis] = std::sqrt(std::max(variance, error));
+    if (variance > 0) seen.gain += variance * along[axis];
   }
   return seen;
 }

@@ -96,8 +96,13 @@ std::vector<PooledBand> pooled(const std::vector<Lines>& all,
     const std::vector<size_t> ends = band_ends(n, kFine, 1, peaks);
     for (size_t b = 0; b + 1 < ends.size(); ++b) {
       PooledBand band;
-      for (size_t k = ends[b]; k < ends[b + 1]; ++k)
-        band.power += lines.reading[k] * lines.reading[k], ++band.lines;
+      for (size_t k = ends[b]; k < ends[b + 1]; ++k) {
+        band.power += lines.reading[k] * lines.reading[k];
+        band.lines += lines.leverage.empty() ? 1 : 1 - lines.leverage[k];
+      }
+      // Of lines that the temperature took nearly whole nothing is left to see.
+      constexpr double kLeast = 0.05;
+      if (!(band.lines > kLeast)) continue;
       band.power = std::max(band.power / band.lines, 1e-300);
       band.shapes =
           shapes_at(omega_of_line(0.5 * static_cast<double>(ends[b] + ends[b + 1] - 1), n), peaks);

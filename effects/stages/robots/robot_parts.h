@@ -26,6 +26,9 @@ class ModelParts final : public RobotPartsFactory {
                                        RandomStream noise) const override;
   std::unique_ptr<LocomotionModel> locomotion(const RobotSpec& robot,
                                               RandomStream noise) const override;
+  // Effects of stage `inertial` on accelerometers; the robot is as warm as at their bias.
+  std::shared_ptr<const ForceReading> accelerometer(const RobotSpec& robot,
+                                                    RandomStream noise) const override;
 
  private:
   std::map<std::string, Model> models_;

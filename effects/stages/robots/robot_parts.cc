@@ -1,10 +1,13 @@
-#include "effects/stages/robot_parts.h"
+#include "effects/stages/robots/robot_parts.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "effects/not_a_number.h"
+#include "effects/stages/inertial/inertial.h"
+#include "effects/stages/inertial/noise_series.h"
 #include "effects/stages/joint_track.h"
 #include "effects/stages/servo.h"
 #include "effects/stages/walk/locomotion.h"
@@ -259,6 +262,37 @@ class ModelLocomotion final : public LocomotionModel {
   WalkState state_;
 };
 
+class ModelForceReading final : public ForceReading {
+ public:
+  ModelForceReading(const Inertial& inertial, double dt_s, const RandomStream& noise)
+      : inertial_(inertial) {
+    for (size_t axis = 0; axis < 3; ++axis)
+      axes_.emplace_back(inertial.accel, axis, dt_s, noise.child(axis));
+  }
+
+  std::vector<double> first_state() const override {
+    size_t size = 0;
+    for (const NoiseSeries& axis : axes_) size += axis.state_size();
+    return std::vector<double>(size, 0);
+  }
+
+  Vec3 reading(const Vec3& force_mps2, SimTime time, std::vector<double>& state) const override {
+    Vec3 seen = measured_by(inertial_, {.force_mps2 = force_mps2}, kBiasAt_c).force_mps2;
+    std::span<double> left = state;
+    for (size_t axis = 0; axis < axes_.size(); ++axis) {
+      const size_t size = axes_[axis].state_size();
+      double& value = seen[static_cast<int>(axis)];
+      value = axes_[axis].reading(value, static_cast<uint64_t>(time.ns()), left.first(size));
+      left = left.subspan(size);
+    }
+    return seen;
+  }
+
+ private:
+  Inertial inertial_;
+  std::vector<NoiseSeries> axes_;
+};
+
 bool has_joint_effects(const Model& model) {
   return std::any_of(model.effects().begin(), model.effects().end(), [](const ModelEffect& effect) {
     const EffectDefinition& d = *effect.definition;
@@ -306,6 +340,19 @@ std::unique_ptr<LocomotionModel> ModelParts::locomotion(const RobotSpec& robot,
                                  });
   if (!walks) return RobotPartsFactory::locomotion(robot, noise);
   return std::make_unique<ModelLocomotion>(robot.id, locomotion_of(found->second), noise);
+}
+
+std::shared_ptr<const ForceReading> ModelParts::accelerometer(const RobotSpec& robot,
+                                                              RandomStream noise) const {
+  const auto found = models_.find(robot.id);
+  if (found == models_.end()) return nullptr;
+  const auto& effects = found->second.effects();
+  const bool acts = std::any_of(effects.begin(), effects.end(), [](const ModelEffect& effect) {
+    return effect.definition->stage == kInertial;
+  });
+  if (!acts) return nullptr;
+  return std::make_shared<ModelForceReading>(inertial_of(found->second),
+                                             robot.sensors.accelerometer.period.s(), noise);
 }
 
 }  // namespace seam::effects
