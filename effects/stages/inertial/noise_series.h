@@ -17,8 +17,7 @@ class NoiseSeries {
 
   // How many numbers last from one sample to the next; all are 0 before the first one.
   size_t state_size() const;
-  // The next sample, whose value with all errors of the mean is `mean`. `index` tells samples
-  // apart.
+  // The next sample, whose value with all errors of the mean is `mean`. Each `index` has its draws.
   double reading(double mean, uint64_t index, std::span<double> state) const;
 
  private:
