@@ -8,7 +8,7 @@ namespace seam::effects {
 
 const std::vector<KindFacts>& kinds() {
   static const std::vector<KindFacts> all = {
-      {kPoints, "points", "frame", {Stage::geometry, Stage::joint}},
+      {kPoints, "points", "frame", {Stage::geometry, Stage::target, Stage::joint}},
       {kPhotometry, "photometry", "frame", {}},
       {kJoints, "joints", "run", {Stage::joint}},
       {kOdometry, "odometry", "run", {Stage::locomotion}},

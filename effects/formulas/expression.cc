@@ -16,6 +16,7 @@
 #include "effects/stages/geometry.h"
 #include "effects/stages/joint_track.h"
 #include "effects/stages/sensor/sensor.h"
+#include "effects/stages/target.h"
 #include "effects/stages/walk/locomotion.h"
 #include "sim_core/base/error.h"
 
@@ -36,12 +37,16 @@ const std::vector<StageVariables>& stages() {
       {Stage::joint, {"q", "rate", "command", "t"}, {"q"}, kJoints | kPoints | kFrames | kRanges},
       {Stage::geometry, of_image, {"u", "v"}, kPoints | kFrames | kRanges},
       {Stage::corner_detector, of_image, {"u", "v"}, kPoints},
+      {Stage::target, {"x", "y", "z"}, {"x", "y", "z"}, kPoints},
       {Stage::radiometry, {"u", "v", "rho", "t"}, {"gain"}, kPhotometry | kFrames | kRanges},
       {Stage::light, {"u", "v", "rho", "t"}, {"gain"}, kPhotometry | kFrames | kRanges},
       {Stage::sensor, {"mean", "t"}, {"mean"}, kPhotometry | kFrames | kRanges},
-      {Stage::detector, {"range", "bearing", "t"}, {"range", "bearing"}, kLandmarks | kRanges},
+      {Stage::detector,
+       {"range", "bearing", "speed", "turn", "t"},
+       {"range", "bearing"},
+       kLandmarks | kRanges},
       {Stage::locomotion,
-       {"vx", "vy", "omega", "theta", "t"},
+       {"vx", "vy", "omega", "x", "y", "theta", "way", "t"},
        {"vx", "vy", "omega"},
        kOdometry | kRanges},
   };
@@ -80,6 +85,26 @@ struct Program {
   }
 };
 
+std::function<double(Values, const JointSample&)> joint_map(
+    const std::shared_ptr<const Program>& program, const std::vector<std::string>& columns) {
+  return [program, columns](Values p, const JointSample& at) {
+    std::array<double, kMostInputs> in = {at.q_rad, at.rate_rad_per_s, at.command_rad, at.t_s};
+    size_t count = 4;
+    for (const std::string& column : columns) {
+      // Columns that this log lacks are refused before; without a log (the simulator) they are
+      // 0.
+      in[count] = 0;
+      for (size_t i = 0; at.extra_names != nullptr && i < at.extra_names->size(); ++i) {
+        if ((*at.extra_names)[i] == column) in[count] = at.extra_values[i];
+      }
+      ++count;
+    }
+    Outputs out = {at.q_rad};
+    program->run({in.data(), count}, p, out);
+    return out[0];
+  };
+}
+
 // Hooks of one stage that run the program.
 void set_hook(EffectDefinition& effect, const std::shared_ptr<const Program>& program) {
   switch (effect.stage) {
@@ -96,21 +121,16 @@ void set_hook(EffectDefinition& effect, const std::shared_ptr<const Program>& pr
           };
       break;
     case Stage::joint:
-      effect.joint_map = [program, columns = effect.columns](Values p, const JointSample& at) {
-        std::array<double, kMostInputs> in = {at.q_rad, at.rate_rad_per_s, at.command_rad, at.t_s};
-        size_t count = 4;
-        for (const std::string& column : columns) {
-          // Columns that this log lacks are refused before; without a log (the simulator) they are
-          // 0.
-          in[count] = 0;
-          for (size_t i = 0; at.extra_names != nullptr && i < at.extra_names->size(); ++i) {
-            if ((*at.extra_names)[i] == column) in[count] = at.extra_values[i];
-          }
-          ++count;
-        }
-        Outputs out = {at.q_rad};
-        program->run({in.data(), count}, p, out);
-        return out[0];
+      effect.joint_map = joint_map(program, effect.columns);
+      break;
+    case Stage::target:
+      effect.target = [program](Values p, TargetShape& shape) {
+        if (program->absent(p)) return;
+        shape.maps.push_back([program, values = std::vector<double>(p.begin(), p.end())](Vec3& at) {
+          Outputs out = {at.x, at.y, at.z};
+          program->run(std::array{at.x, at.y, at.z}, values, out);
+          at = {out[0], out[1], out[2]};
+        });
       };
       break;
     case Stage::radiometry:
@@ -136,14 +156,17 @@ void set_hook(EffectDefinition& effect, const std::shared_ptr<const Program>& pr
     case Stage::detector:
       effect.detector = [program](Values p, Detection& at) {
         Outputs out = {at.range_m, at.bearing_rad};
-        program->run(std::array{at.range_m, at.bearing_rad, at.t_s}, p, out);
+        program->run(std::array{at.range_m, at.bearing_rad, at.speed_mps, at.turn_radps, at.t_s}, p,
+                     out);
         at.range_m = out[0], at.bearing_rad = out[1];
       };
       break;
     case Stage::locomotion:
       effect.velocity_map = [program](Values p, VelocitySample& at) {
         Outputs out = {at.velocity.vx_mps, at.velocity.vy_mps, at.velocity.omega_radps};
-        program->run(std::array{out[0], out[1], out[2], at.theta_rad, at.t_s}, p, out);
+        program->run(
+            std::array{out[0], out[1], out[2], at.x_m, at.y_m, at.theta_rad, at.path_m, at.t_s}, p,
+            out);
         at.velocity = {out[0], out[1], out[2]};
       };
       break;

@@ -5,8 +5,10 @@
 
 #include "effects/formulas/formula.h"
 #include "effects/model.h"
+#include "effects/stages/detector.h"
 #include "effects/stages/geometry.h"
 #include "effects/stages/joint_track.h"
+#include "effects/stages/target.h"
 #include "effects/stages/walk/locomotion.h"
 #include "sim_core/base/config.h"
 #include "sim_core/base/error.h"
@@ -162,6 +164,57 @@ TEST(Expression, EachStageHasItsVariables) {
   EXPECT_ANY_THROW(model_of("  a: {stage: detector, omega: \"1\"}"));
   EXPECT_ANY_THROW(model_of("  a: {stage: detector}"));
   EXPECT_ANY_THROW(model_of("  pinhole: {stage: detector, range: \"range\"}"));
+}
+
+TEST(Expression, ATargetFormulaMovesItsPoints) {
+  const Model model = model_of(
+      "  fold: {stage: target, z: \"z + k * abs(x)\", x: \"x + k * y\", parameters: {k: {value: "
+      "0.01}}}");
+  const TargetShape shape = target_of(model);
+  EXPECT_FALSE(shape.is_plan());
+  const Vec3 p = shape.placed({-0.2, 0.1, 0.03}, -1, 1);
+  EXPECT_NEAR(p.x, -0.2 + 0.001, 1e-15);
+  EXPECT_EQ(p.y, 0.1);
+  EXPECT_NEAR(p.z, 0.03 + 0.002, 1e-15);
+  const Model absent =
+      model_of("  fold: {stage: target, z: \"z + k * abs(x)\", parameters: {k: {value: 0}}}");
+  EXPECT_TRUE(target_of(absent).is_plan());
+}
+
+TEST(Expression, ADetectorFormulaKnowsHowTheRobotMoves) {
+  const Model model = model_of(
+      "  lean: {stage: detector, range: \"range + a * speed * speed + b * turn\", parameters: {a: "
+      "{value: 0.5}, b: {value: 0.1}}}");
+  Detection seen{.range_m = 2, .speed_mps = -0.3, .turn_radps = 1.5};
+  apply_detector(model, seen);
+  EXPECT_NEAR(seen.range_m, 2 + 0.5 * 0.09 + 0.15, 1e-15);
+}
+
+TEST(Expression, ALocomotionFormulaKnowsTheFloor) {
+  // A floor that carries the body along its own x: by its speed, whichever way it faces.
+  const Model belt = model_of(
+      "  belt: {stage: locomotion, vx: \"vx + k * cos(theta)\", vy: \"vy - k * sin(theta)\", "
+      "parameters: {k: {value: 0.2}}}");
+  WalkState state;
+  state.from = {3, 4, 1.1};
+  advance_walk(locomotion_of(belt), {}, 2.0, state);
+  // On the axes of the start.
+  EXPECT_NEAR(state.x_m, 0.4 * std::cos(1.1), 1e-9);
+  EXPECT_NEAR(state.y_m, -0.4 * std::sin(1.1), 1e-9);
+  // dx/dt = k x: from 3 m on.
+  const Model mud =
+      model_of("  mud: {stage: locomotion, vx: \"vx + k * x\", parameters: {k: {value: 0.1}}}");
+  WalkState goes;
+  goes.from = {3, 0, 0};
+  advance_walk(locomotion_of(mud), {}, 5.0, goes);
+  EXPECT_NEAR(goes.x_m, 3 * (std::exp(0.5) - 1), 1e-8);
+  // d(way)/dt = 1 + k way, after 2 m.
+  const Model worn = model_of(
+      "  worn: {stage: locomotion, vx: \"vx * (1 + k * way)\", parameters: {k: {value: 0.1}}}");
+  WalkState rolls;
+  rolls.from.path_m = 2;
+  advance_walk(locomotion_of(worn), {.vx_mps = 1}, 3.0, rolls);
+  EXPECT_NEAR(rolls.path_m, 12 * std::exp(0.3) - 12, 1e-8);
 }
 
 TEST(Expression, ALocomotionFormulaIsIntegrated) {

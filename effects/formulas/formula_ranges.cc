@@ -11,6 +11,7 @@
 #include "effects/stages/geometry.h"
 #include "effects/stages/joint_track.h"
 #include "effects/stages/sensor/sensor.h"
+#include "effects/stages/target.h"
 #include "effects/stages/walk/locomotion.h"
 #include "sim_core/base/random.h"
 
@@ -82,13 +83,29 @@ std::vector<Output> run_sensor(const ModelEffect& effect, const std::vector<doub
 }
 
 std::vector<Output> run_detector(const ModelEffect& effect, const std::vector<double>& at) {
-  Detection seen{.range_m = at[0], .bearing_rad = at[1], .t_s = at[2]};
+  Detection seen{.range_m = at[0],
+                 .bearing_rad = at[1],
+                 .speed_mps = at[2],
+                 .turn_radps = at[3],
+                 .t_s = at[4]};
   effect.definition->detector(effect.values(), seen);
   return {{"range", seen.range_m}, {"bearing", seen.bearing_rad}};
 }
 
+std::vector<Output> run_target(const ModelEffect& effect, const std::vector<double>& at) {
+  TargetShape shape;
+  effect.definition->target(effect.values(), shape);
+  const Vec3 p = shape.placed({at[0], at[1], at[2]}, 0, 0);
+  return {{"x", p.x}, {"y", p.y}, {"z", p.z}};
+}
+
 std::vector<Output> run_locomotion(const ModelEffect& effect, const std::vector<double>& at) {
-  VelocitySample sample{.velocity = {at[0], at[1], at[2]}, .theta_rad = at[3], .t_s = at[4]};
+  VelocitySample sample{.velocity = {at[0], at[1], at[2]},
+                        .x_m = at[3],
+                        .y_m = at[4],
+                        .theta_rad = at[5],
+                        .path_m = at[6],
+                        .t_s = at[7]};
   effect.definition->velocity_map(effect.values(), sample);
   const BodyVelocity& v = sample.velocity;
   return {{"vx", v.vx_mps}, {"vy", v.vy_mps}, {"omega", v.omega_radps}};
@@ -103,15 +120,26 @@ const std::vector<Trial>& trials() {
        run_joint},
       {Stage::geometry, {kU, kV, kTime}, kLargestOfImage, run_geometry},
       {Stage::corner_detector, {kU, kV, kTime}, kLargestOfImage, run_geometry},
+      {Stage::target,
+       {{"x", -0.5, 0.5}, {"y", -0.5, 0.5}, {"z", -0.5, 0.5}},
+       kLargestOutput,
+       run_target},
       {Stage::radiometry, {kU, kV, kTime}, kLargestOfImage, run_gain},
       {Stage::light, {kU, kV, kTime}, kLargestOfImage, run_gain},
       {Stage::sensor, {{"mean", 0, 255}, kTime}, kLargestOfImage, run_sensor},
       {Stage::detector,
-       {{"range", 0.05, 10}, {"bearing", -1.6, 1.6}, kTime},
+       {{"range", 0.05, 10}, {"bearing", -1.6, 1.6}, {"speed", -0.5, 0.5}, {"turn", -3, 3}, kTime},
        kLargestOutput,
        run_detector},
       {Stage::locomotion,
-       {{"vx", -0.5, 0.5}, {"vy", -0.5, 0.5}, {"omega", -3, 3}, {"theta", -3.2, 3.2}, kTime},
+       {{"vx", -0.5, 0.5},
+        {"vy", -0.5, 0.5},
+        {"omega", -3, 3},
+        {"x", -5, 5},
+        {"y", -5, 5},
+        {"theta", -3.2, 3.2},
+        {"way", 0, 100},
+        kTime},
        kLargestOutput,
        run_locomotion},
   };

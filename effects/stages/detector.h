@@ -13,7 +13,10 @@ struct Detection {
   double range_m = 0;      // True on entry, reported on return.
   double bearing_rad = 0;  // From the camera's axis, left positive.
   double above_m = 0;      // How far the landmark lies above the detector, as far as the set says.
-  double t_s = 0;          // Since the set's reference.
+  // The robot's own, along its heading and to the left; 0 where it stands.
+  double speed_mps = 0;
+  double turn_radps = 0;
+  double t_s = 0;  // Since the set's reference.
   // Variances that noise effects add to those of the set.
   double range_variance = 0;
   double bearing_variance = 0;

@@ -17,6 +17,7 @@ Vec3 TargetShape::placed(const Vec3& p_B, double a, double b, double flex_m) con
   p.y += y_scale * p_B.y;
   p.z += warp_x_m * (1 - a * a) + warp_y_m * (1 - b * b);
   if (flex_m != 0) p.z += flex_m * bending(a, b);
+  for (const auto& map : maps) map(p);
   return p;
 }
 

@@ -2,6 +2,9 @@
 // them.
 #pragma once
 
+#include <functional>
+#include <vector>
+
 #include "effects/model.h"
 #include "sim_core/base/pose.h"
 
@@ -20,9 +23,11 @@ struct TargetShape {
   double motion_sigma_rad = 0;
   // Of how the target stands before a camera beyond the first, each coordinate in each frame.
   double sway_shift_sigma_m = 0, sway_turn_sigma_rad = 0;
+  std::vector<std::function<void(Vec3&)>> maps;  // Formulas, in order, after all else.
 
   bool is_plan() const {
-    return x_scale == 0 && y_scale == 0 && shear == 0 && warp_x_m == 0 && warp_y_m == 0;
+    return x_scale == 0 && y_scale == 0 && shear == 0 && warp_x_m == 0 && warp_y_m == 0 &&
+           maps.empty();
   }
   bool has_draws() const {
     return scatter_sigma_m > 0 || flex_sigma_m > 0 || focus_sigma > 0 || motion_sigma_rad > 0 ||

@@ -241,8 +241,6 @@ inline constexpr int kMostWaves = 300;
 // is found: half a step of the grid off, a wave has four fifths of its gain. A faster one is taken
 // if it gains so many times as much. A judgement.
 inline constexpr double kNearlyAsStrong = 0.7, kClearlyStronger = 1.02;
-// A wave has amplitude, frequency and phase.
-inline constexpr double kWaveParameters = 3;
 // A wave is looked for with so many observations at least, those on which its output acts by this
 // share of the most or more.
 inline constexpr size_t kLeastForWaves = 30;

@@ -100,13 +100,18 @@ bool has_counts(const EffectDefinition& effect) {
                      [](const Parameter& p) { return p.integer; });
 }
 
-double gain_over_scatter(const Score& before, const Score& after, size_t fewest_groups) {
+namespace {
+
+// A sum over its scatter, of what each group gains, or where they are fewer their blocks.
+double over_scatter(const Score& before, const Score& after, size_t fewest_groups,
+                    double (*scaled)(double gain), double least) {
   size_t units = 0;
   const auto statistic = [&](const std::vector<double>& from, const std::vector<double>& to) {
     double count = 0, sum = 0, sum2 = 0;
     for (size_t g = 0; g < to.size() && g < from.size(); ++g) {
       if (to[g] == 0 && from[g] == 0) continue;
-      const double gain = to[g] - from[g];
+      if (std::abs(to[g] - from[g]) < least) continue;
+      const double gain = scaled(to[g] - from[g]);
       ++count, sum += gain, sum2 += gain * gain;
     }
     units = static_cast<size_t>(count);
@@ -117,6 +122,20 @@ double gain_over_scatter(const Score& before, const Score& after, size_t fewest_
   const double by_group = statistic(before.by_group, after.by_group);
   if (units >= fewest_groups || after.by_block.empty()) return by_group;
   return statistic(before.by_block, after.by_block);
+}
+
+}  // namespace
+
+double gain_over_scatter(const Score& before, const Score& after, size_t fewest_groups) {
+  return over_scatter(
+      before, after, fewest_groups, [](double gain) { return gain; }, 0);
+}
+
+double root_gain_over_scatter(const Score& before, const Score& after, size_t fewest_groups) {
+  constexpr double kSaysNothing = 1;  // Of log-likelihood: which noise alone gains or loses.
+  return over_scatter(
+      before, after, fewest_groups,
+      [](double gain) { return std::copysign(std::sqrt(std::abs(gain)), gain); }, kSaysNothing);
 }
 
 double tie_width(double error) {

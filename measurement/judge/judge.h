@@ -57,6 +57,10 @@ void judge(const Problem& problem, const Grown& base, const Evaluation& here, do
 // than this; 0 with fewer than three of either.
 double gain_over_scatter(const Score& before, const Score& after,
                          size_t fewest_groups = kLeastGroupsForScatter);
+// The same of the roots of gains: a gain grows as the square of what moves, so that groups that
+// move unlike amounts by one law agree in their roots. Groups that hardly gain or lose say nothing.
+double root_gain_over_scatter(const Score& before, const Score& after,
+                              size_t fewest_groups = kLeastGroupsForScatter);
 
 // Whether an effect changes the spread of observations and no prediction.
 bool only_widens(const EffectDefinition& effect);

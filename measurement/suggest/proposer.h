@@ -1,12 +1,12 @@
-// A formula of one stage, grown from what a model leaves: sparse regression on products, signs and
-// waves of the stage's variables, one term after another.
+// A formula of one stage, grown from what a model leaves: sparse regression on products and
+// curves of the stage's variables, one term after another.
 #pragma once
 
 #include <optional>
 #include <vector>
 
 #include "measurement/fitting/assess.h"
-#include "measurement/suggest/term.h"
+#include "measurement/suggest/vocabulary.h"
 
 namespace seam::measurement {
 

@@ -5,40 +5,28 @@
 #include <vector>
 
 #include "effects/effect.h"
-#include "effects/model.h"
-#include "measurement/judge/decisions.h"
-#include "measurement/problem/problem.h"
+#include "measurement/suggest/curve.h"
 
 namespace seam::measurement {
 
 // A term with one coefficient in one or more of a stage's outputs, such as
-// u: (u - cx) * t and v: (v - cy) * t. A wave has a frequency and a phase besides.
+// u: (u - cx) * t and v: (v - cy) * t. A curve has numbers of its own besides.
 struct Term {
   struct Piece {
     std::string output;
-    std::string text;
+    std::string text;  // "vx * @" with "@" in place of the curve.
+    double sign = 1;
   };
   std::vector<Piece> pieces;
-  std::string variable;  // Of a wave: pieces hold "sin(@)", with @ the angle.
-  double frequency = 0;  // Radians for each unit of the variable.
-  double phase = 0;
-  double coefficient = 0;  // A start for its fit.
+  Curve curve = Curve::none;
+  std::string variable;         // Of the curve,
+  double span = 0;              // what it goes over,
+  std::vector<double> numbers;  // and the curve's own.
+  double coefficient = 0;       // A start for its fit.
 
-  bool is_wave() const { return !variable.empty(); }
-  double parameters() const { return is_wave() ? kWaveParameters : 1; }
+  double parameters() const { return 1 + static_cast<double>(numbers.size()); }
   std::string label() const;  // For people, without the coefficient.
 };
-
-// What formulas of one stage may be made of.
-struct Vocabulary {
-  std::string stage;
-  std::vector<std::string> outputs;
-  std::vector<std::string> variables;  // Whose waves are looked for, in each output.
-  std::vector<Term> terms;
-};
-
-// The stages whose formulas act on a kind; `columns` are the further columns of a servo log.
-std::vector<Vocabulary> vocabularies(effects::Kind kind, const std::vector<std::string>& columns);
 
 // What the terms add to each output, with their values, for people: "u: 0.31 * sin(5.2 * t + 0.3) -
 // 0.02 * x, v: 0.1 * y".
@@ -50,7 +38,7 @@ std::string formula_yaml(const std::string& name, const std::string& stage, cons
                          const std::vector<Term>& terms);
 
 // The effect that this YAML defines.
-std::shared_ptr<const EffectDefinition> formula_effect(const std::string& yaml,
-                                                       const std::string& name);
+std::shared_ptr<const effects::EffectDefinition> formula_effect(const std::string& yaml,
+                                                                const std::string& name);
 
 }  // namespace seam::measurement

@@ -8,10 +8,10 @@ namespace seam::measurement {
 namespace {
 
 TEST(FormulaText, HasASumForEachOutput) {
-  const Term wave{.pieces = {{"u", "sin(@)"}},
+  const Term wave{.pieces = {{"u", "@"}},
+                  .curve = Curve::wave,
                   .variable = "t",
-                  .frequency = 2 * maths::kPi / 1.2,
-                  .phase = -0.3,
+                  .numbers = {2 * maths::kPi / 1.2, -0.3},
                   .coefficient = 0.31};
   const Term turn{.pieces = {{"u", "(cy - v) * t"}, {"v", "(u - cx) * t"}}, .coefficient = -0.02};
   const Term shift{.pieces = {{"v", "1"}}, .coefficient = 1.5};

@@ -223,12 +223,14 @@ BodyVelocity velocity_of_arc(double dx_m, double dy_m, double turn_rad, double d
 
 class ModelLocomotion final : public LocomotionModel {
  public:
-  ModelLocomotion(std::string robot, Locomotion walk, RandomStream noise)
-      : robot_(std::move(robot)), walk_(std::move(walk)), noise_(noise.child("walk_noise")) {}
+  ModelLocomotion(std::string robot, Locomotion walk, const Pose2& from, RandomStream noise)
+      : robot_(std::move(robot)),
+        walk_(std::move(walk)),
+        from_{from.x_m, from.y_m, from.theta_rad},
+        noise_(noise.child("walk_noise")) {}
 
   BodyVelocity velocity(const BodyVelocity& command, SimTime start, SimDuration step) override {
-    // From the origin each step; only the lag, and what formulas see, last longer.
-    WalkState state{{.theta_rad = state_.theta_rad}, state_.followed, start.s()};
+    WalkState state{{.theta_rad = state_.theta_rad}, state_.followed, start.s(), {}, from_};
     const double before_rad = state.theta_rad;
     advance_walk(walk_, command, step.s(), state);
     if (state.broken.formula != nullptr)
@@ -247,17 +249,26 @@ class ModelLocomotion final : public LocomotionModel {
       turn += walk_.theta_sigma * draw(2);
     }
     state_ = {{.theta_rad = before_rad + turn}, state.followed};
+    const double C = maths::cos(from_.theta_rad + before_rad),
+                 S = maths::sin(from_.theta_rad + before_rad);
+    from_.x_m += C * dx - S * dy, from_.y_m += S * dx + C * dy, from_.path_m += state.path_m;
     return velocity_of_arc(dx, dy, turn, step.s());
   }
 
   void visit(StateVisitor& visitor) override {
     visitor.field("theta_rad", state_.theta_rad);
+    if (!walk_.formulas.empty()) {
+      visitor.field("x_m", from_.x_m);
+      visitor.field("y_m", from_.y_m);
+      visitor.field("path_m", from_.path_m);
+    }
     state_.followed.visit(visitor);
   }
 
  private:
   std::string robot_;
   Locomotion walk_;
+  Place from_;  // On the field, but for what pushes the robot.
   RandomStream noise_;
   WalkState state_;
 };
@@ -339,7 +350,8 @@ std::unique_ptr<LocomotionModel> ModelParts::locomotion(const RobotSpec& robot,
                                    return e.definition->locomotion || e.definition->velocity_map;
                                  });
   if (!walks) return RobotPartsFactory::locomotion(robot, noise);
-  return std::make_unique<ModelLocomotion>(robot.id, locomotion_of(found->second), noise);
+  return std::make_unique<ModelLocomotion>(robot.id, locomotion_of(found->second), robot.pose,
+                                           noise);
 }
 
 std::shared_ptr<const ForceReading> ModelParts::accelerometer(const RobotSpec& robot,

@@ -66,19 +66,25 @@ BrokenWalk look_at(const ModelEffect& formula, const VelocitySample& sample) {
   return {};
 }
 
-// d(x, y, theta, path)/dt at a time and heading; the first formula without a number is noted.
+// d(x, y, theta, path)/dt at a time and place; the first formula without a number is noted.
 Rates rates_at(const Locomotion& walk, const BodyVelocity& command, const WalkState& state,
-               double t_s, double theta_rad, BrokenWalk& broken) {
+               double t_s, const Place& at, BrokenWalk& broken) {
   VelocitySample sample{.velocity = scaled(walk, followed_after(walk, command, state, t_s)),
-                        .theta_rad = theta_rad,
+                        .theta_rad = state.from.theta_rad + at.theta_rad,
+                        .path_m = state.from.path_m + at.path_m,
                         .t_s = state.t_s + t_s};
+  if (!walk.formulas.empty()) {
+    const double c = maths::cos(state.from.theta_rad), s = maths::sin(state.from.theta_rad);
+    sample.x_m = state.from.x_m + c * at.x_m - s * at.y_m;
+    sample.y_m = state.from.y_m + s * at.x_m + c * at.y_m;
+  }
   sample.velocity.omega_radps += walk.heading_rad_per_m * speed(sample.velocity);
   for (const ModelEffect& formula : walk.formulas) {
     formula.definition->velocity_map(formula.values(), sample);
     if (broken.formula == nullptr) broken = look_at(formula, sample);
   }
   const BodyVelocity& v = sample.velocity;
-  const double c = maths::cos(theta_rad), s = maths::sin(theta_rad);
+  const double c = maths::cos(at.theta_rad), s = maths::sin(at.theta_rad);
   return {c * v.vx_mps - s * v.vy_mps, s * v.vx_mps + c * v.vy_mps, v.omega_radps, speed(v)};
 }
 
@@ -98,12 +104,14 @@ void integrate(const Locomotion& walk, const BodyVelocity& command, double dt_s,
     // No sliver at the end.
     h = t + 1.01 * h >= dt_s ? dt_s - t : h;
     BrokenWalk& broken = state.broken;
-    const Rates a = rates_at(walk, command, start, t, state.theta_rad, broken);
-    const Rates b =
-        rates_at(walk, command, start, t + h / 2, state.theta_rad + h / 2 * a.theta, broken);
-    const Rates c =
-        rates_at(walk, command, start, t + h / 2, state.theta_rad + h / 2 * b.theta, broken);
-    const Rates d = rates_at(walk, command, start, t + h, state.theta_rad + h * c.theta, broken);
+    const auto moved = [&](double for_s, const Rates& by) {
+      return Place{state.x_m + for_s * by.x, state.y_m + for_s * by.y,
+                   state.theta_rad + for_s * by.theta, state.path_m + for_s * by.path};
+    };
+    const Rates a = rates_at(walk, command, start, t, state, broken);
+    const Rates b = rates_at(walk, command, start, t + h / 2, moved(h / 2, a), broken);
+    const Rates c = rates_at(walk, command, start, t + h / 2, moved(h / 2, b), broken);
+    const Rates d = rates_at(walk, command, start, t + h, moved(h, c), broken);
     state.x_m += h / 6 * (a.x + 2 * b.x + 2 * c.x + d.x);
     state.y_m += h / 6 * (a.y + 2 * b.y + 2 * c.y + d.y);
     state.theta_rad += h / 6 * (a.theta + 2 * b.theta + 2 * c.theta + d.theta);

@@ -17,8 +17,12 @@ namespace seam::effects {
 // What a locomotion formula (an expression effect) reads and changes.
 struct VelocitySample {
   BodyVelocity velocity;
-  double theta_rad = 0;  // Heading.
-  double t_s = 0;        // Since the start of the run.
+  // Where the body is and faces, on the floor's own axes as far as these are known, and how far it
+  // has gone.
+  double x_m = 0, y_m = 0;
+  double theta_rad = 0;
+  double path_m = 0;
+  double t_s = 0;  // Since the start of the run.
 };
 
 // A body on two wheels: what their speeds make of it, and what is wrong with them.
@@ -105,6 +109,9 @@ struct WalkState : Place {
   BodyVelocity followed;   // The lagged command, before scales.
   double t_s = 0;          // Since the start of the run.
   BrokenWalk broken = {};  // The first that came.
+  // Where the body stood and faced at the start, on the floor's own axes, and how far it had gone:
+  // for formulas.
+  Place from = {};
 };
 
 // Walks for `dt_s` under a command that holds, without noise. Exact arcs where the velocity is

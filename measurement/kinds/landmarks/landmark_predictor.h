@@ -44,6 +44,11 @@ class LandmarkPredictor {
                             .bearing_rad = maths::wrap_angle(std::atan2(left, ahead) - yaw_rad_),
                             .above_m = above,
                             .t_s = t};
+    if (!detectors_.empty()) {
+      const Walk& walk = data_.walks[data_.walk_of_row[row]];
+      seen.speed_mps = c * walk.x.rate(t) + s * walk.y.rate(t);
+      seen.turn_radps = walk.theta.rate(t);
+    }
     for (const effects::ModelEffect& effect : detectors_)
       effect.definition->detector(effect.values(), seen);
     return seen;

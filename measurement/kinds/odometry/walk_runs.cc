@@ -250,6 +250,12 @@ std::vector<effects::WalkState> predict_walk(const effects::Locomotion& walk, co
   std::vector<effects::WalkState> path;
   path.reserve(run.rows.size());
   effects::WalkState state;
+  if (!run.pose.empty()) {
+    const auto known = [&](int channel) {
+      return std::isnan(run.pose[0][channel]) ? 0 : run.pose[0][channel];
+    };
+    state.from = {known(0), known(1), known(2)};
+  }
   Drive drive(walk, run, as);
   for (size_t k = 0; k < run.rows.size(); ++k) {
     if (k > 0) drive.advance(k - 1, run.time_s[k] - run.time_s[k - 1], state);

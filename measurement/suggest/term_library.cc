@@ -1,0 +1,308 @@
+#include "measurement/suggest/term_library.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "measurement/judge/judge.h"
+#include "measurement/numerics/parallel_for.h"
+#include "measurement/suggest/wave_search.h"
+#include "sim_core/base/maths.h"
+
+namespace seam::measurement {
+namespace {
+
+// Decays are looked at from the variable's range down, each half as long, and steps and bends at
+// evenly many observations; a number is then moved within its neighbours. Judgements.
+constexpr int kDecays = 6;
+constexpr int kPlaces = 12;
+constexpr int kFewWaves = 16;
+constexpr int kHalvings = 6;
+constexpr int kMostStepTrials = 6;
+constexpr double kLargestStep = 10;
+// Terms of which fits are tried before a formula is at its end, and from which correlation on two
+// of them are one. Judgements.
+constexpr size_t kMostTried = 3;
+constexpr double kAlike = 0.9;
+
+Term carrying(Term term, const std::string& what) {
+  for (Term::Piece& piece : term.pieces) {
+    const size_t at = piece.text.find('@');
+    piece.text = piece.text.replace(at, 1, what);
+  }
+  return term;
+}
+
+Term curve_on(Term carrier, Curve curve, const std::string& variable, double span) {
+  carrier.curve = curve, carrier.variable = variable, carrier.span = span;
+  return carrier;
+}
+
+// Coefficients and numbers of terms, as their effect's parameters.
+std::vector<effects::ParameterValue> parameters_of(const std::vector<Term>& terms) {
+  std::vector<effects::ParameterValue> values;
+  for (const Term& term : terms) {
+    values.push_back({.value = std::abs(term.coefficient)});
+    if (!is_fitted(term.curve)) continue;
+    for (const double number : term.numbers) values.push_back({.value = number});
+  }
+  return values;
+}
+
+}  // namespace
+
+Model with_formula(Model model, const std::shared_ptr<const EffectDefinition>& effect,
+                   const std::vector<Term>& terms) {
+  model.set(effect, parameters_of(terms));
+  return model;
+}
+
+TermLibrary::TermLibrary(const Problem& problem, const Model& base, const Vocabulary& vocabulary)
+    : base_(base), vocabulary_(vocabulary) {
+  // One group alone is held out by blocks, none of them here.
+  const Groups training = problem.training_groups();
+  rows_ = few_of(problem, base, training).value_or(FewRows{&problem, training});
+  count_ = static_cast<double>(std::max<size_t>(3, count_used(problem)));
+  start_ = rows_.problem->evaluate(base, rows_.groups);
+  if (!valid()) return;
+  share_ = count_ / std::max(3.0, residuals_of(rows_));
+  terms_ = vocabulary.terms;
+  // Most curves are of size 1: what a carrier's step is by itself is theirs.
+  std::vector<double> steps(terms_.size(), 1e-6);
+  for (const Term& carrier : vocabulary.carriers) {
+    double step = 1e-6;
+    alone_[&carrier] = derivative(carrying(carrier, "1"), &step);
+    for (const std::string& variable : vocabulary.variables) {
+      times_[{&carrier, variable}] = derivative(carrying(carrier, variable));
+      add_curves(carrier, variable);
+    }
+    steps.resize(terms_.size(), step);
+  }
+  library_.resize(terms_.size());
+  parallel_for(library_.size(), [&](size_t i) { library_[i] = derivative(terms_[i], &steps[i]); });
+}
+
+double TermLibrary::looks() const {
+  const size_t waves = vocabulary_.carriers.size() * vocabulary_.variables.size();
+  return static_cast<double>(terms_.size()) + kMostWaves * static_cast<double>(waves);
+}
+
+double TermLibrary::dot(const ByScalar& a, const ByScalar& b) const {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += start_.used[i] ? a[i] * b[i] : 0;
+  return sum;
+}
+
+void TermLibrary::take_out(const ByScalar& direction, ByScalar& from) const {
+  const double along = dot(direction, from);
+  for (size_t i = 0; i < from.size(); ++i) from[i] -= along * direction[i];
+}
+
+// Of the whitened residuals by the term's coefficient; empty where the term changes nothing.
+TermLibrary::ByScalar TermLibrary::derivative(const Term& term, double* step_to_try) const {
+  std::vector<Term> probes = {term};
+  probes[0].coefficient = 1;
+  const auto effect =
+      formula_effect(formula_yaml("probe", vocabulary_.stage, "A probe.", probes), "probe");
+  // A step of about the noise: the path of a body errs by a small part of that, and hardly any
+  // prediction bends over it.
+  double step = step_to_try != nullptr ? *step_to_try : 1e-6;
+  ByScalar column;
+  for (int attempt = 0; attempt < kMostStepTrials; ++attempt) {
+    probes[0].coefficient = step;
+    const Evaluation there =
+        rows_.problem->evaluate(with_formula(base_, effect, probes), rows_.groups, &start_);
+    if (!there.valid) return {};
+    column.assign(there.whitened.size(), 0);
+    double sum2 = 0;
+    for (size_t i = 0; i < column.size(); ++i) {
+      if (!start_.used[i]) continue;
+      column[i] = (there.whitened[i] - start_.whitened[i]) / step;
+      if (!std::isfinite(column[i])) return {};
+      sum2 += column[i] * column[i];
+    }
+    const double moved = std::sqrt(sum2 * share_ / count_) * step;
+    if (!(moved > 0)) return {};
+    if ((moved > 0.1 && moved < 3) || (step == kLargestStep && moved < 3)) break;
+    step = std::min(step / moved, kLargestStep);
+  }
+  if (step_to_try != nullptr) *step_to_try = step;
+  return column;
+}
+
+// Residuals and what the fitted parameters span, under this model.
+void TermLibrary::look_from(const Assessment& here) {
+  const Evaluation evaluation = rows_.problem->evaluate(here.model, rows_.groups);
+  std::vector<Unknown> unknowns;
+  for (const Unknown& unknown : here.unknowns) {
+    if (!here.model.find(unknown.effect)->definition->spread_only) unknowns.push_back(unknown);
+  }
+  basis_.clear();
+  if (!unknowns.empty()) {
+    for (ByScalar& column :
+         rows_.problem->jacobian(here.model, unknowns, rows_.groups, evaluation)) {
+      column = beyond(std::move(column));
+      if (!column.empty()) basis_.push_back(std::move(column));
+    }
+  }
+  rest_ = evaluation.whitened;
+  for (const ByScalar& direction : basis_) take_out(direction, rest_);
+  misfit_ = std::max(1.0, here.error * here.error);
+}
+
+// The part of a column that the fitted parameters do not span, of unit length; empty: none.
+TermLibrary::ByScalar TermLibrary::beyond(ByScalar column) const {
+  const double before = dot(column, column);
+  for (int twice = 0; twice < 2; ++twice) {
+    for (const ByScalar& direction : basis_) take_out(direction, column);
+  }
+  const double after = dot(column, column);
+  if (!(after > kSpanned * before) || !(after > 0)) return {};
+  for (double& value : column) value /= std::sqrt(after);
+  return column;
+}
+
+std::vector<TermLibrary::Worth> TermLibrary::worths() const {
+  const double price = kPriceOfClear * std::log(count_) * misfit_;
+  std::vector<Worth> worths(terms_.size());
+  parallel_for(terms_.size(), [&](size_t i) {
+    if (library_[i].empty()) return;
+    ByScalar own = beyond(library_[i]);
+    if (own.empty()) return;
+    const double gain = 0.5 * share_ * std::pow(dot(own, rest_), 2);
+    worths[i] = {gain - terms_[i].parameters() * price, terms_[i], std::move(own)};
+    worths[i].term.coefficient = -dot(library_[i], rest_) / dot(library_[i], library_[i]);
+  });
+  for (const Term& carrier : vocabulary_.carriers) {
+    for (const std::string& variable : vocabulary_.variables) {
+      double gain = 0;
+      auto wave = best_wave(carrier, variable, gain);
+      if (!wave || !(gain > wave->parameters() * price)) continue;
+      ByScalar own = beyond(derivative(*wave));
+      if (!own.empty())
+        worths.push_back({gain - wave->parameters() * price, *std::move(wave), std::move(own)});
+    }
+  }
+  std::stable_sort(worths.begin(), worths.end(),
+                   [](const Worth& a, const Worth& b) { return a.worth > b.worth; });
+  return worths;
+}
+
+std::vector<Term> TermLibrary::best_terms(const Assessment& here) {
+  look_from(here);
+  const std::vector<Worth> all = worths();
+  std::vector<const Worth*> best;
+  for (const Worth& worth : all) {
+    if (!(worth.worth > 0) || best.size() == kMostTried) break;
+    if (std::none_of(best.begin(), best.end(), [&](const Worth* before) {
+          return std::abs(dot(before->own, worth.own)) > kAlike;
+        }))
+      best.push_back(&worth);
+  }
+  std::vector<Term> terms;
+  for (const Worth* worth : best)
+    terms.push_back(worth->term.numbers.size() == 1 ? moved_to_the_best(worth->term) : worth->term);
+  return terms;
+}
+
+// The strongest wave in a variable where the carrier acts.
+std::optional<Term> TermLibrary::best_wave(const Term& carrier, const std::string& variable,
+                                           double& gain) const {
+  const Along along = this->along(carrier, variable);
+  std::vector<double> rest;
+  for (const size_t i : along.scalars) rest.push_back(rest_[i]);
+  const auto wave = strongest_wave(along.at, along.weight, rest);
+  if (!wave) return std::nullopt;
+  gain = share_ * wave->gain;
+  Term term = curve_on(carrier, Curve::wave, variable, 0);
+  term.numbers = {wave->frequency, wave->phase};
+  term.coefficient = wave->amplitude;
+  return term;
+}
+
+// The variable's value at each residual is what it would change beside what a constant would: that
+// is exact where the output stands for the residual itself, and near enough elsewhere to find a
+// frequency or a place.
+TermLibrary::Along TermLibrary::along(const Term& carrier, const std::string& variable) const {
+  Along along;
+  if (!vocabulary_.prefix.empty()) return along;
+  const ByScalar& one = alone_.at(&carrier);
+  const ByScalar& by_variable = times_.at({&carrier, variable});
+  if (one.empty() || by_variable.empty()) return along;
+  double largest = 0;
+  for (const double value : one) largest = std::max(largest, std::abs(value));
+  for (size_t i = 0; i < one.size(); ++i) {
+    if (!start_.used[i] || std::abs(one[i]) < kLeastActing * largest) continue;
+    along.scalars.push_back(i);
+    along.at.push_back(by_variable[i] / one[i]), along.weight.push_back(one[i]);
+  }
+  return along;
+}
+
+// Of a variable, in ascending order.
+std::vector<double> TermLibrary::values_of(const Term& carrier, const std::string& variable) const {
+  std::vector<double> values;
+  if (vocabulary_.prefix.empty()) {
+    values = along(carrier, variable).at;
+  } else {
+    for (const FieldPlace& place : rows_.problem->field_places(base_, start_)) {
+      for (const Covariate& covariate : place.covariates) {
+        if (covariate.name == vocabulary_.prefix + variable) values = covariate.values;
+      }
+    }
+  }
+  std::sort(values.begin(), values.end());
+  return values;
+}
+
+// Curves at places of a variable. Waves are but some, where best_wave cannot look at more.
+void TermLibrary::add_curves(const Term& carrier, const std::string& variable) {
+  const std::vector<double> values = values_of(carrier, variable);
+  if (values.size() < kLeastForWaves || !(values.back() > values.front())) return;
+  const double span = values.back() - values.front();
+  const auto add = [&](Curve curve, std::vector<double> numbers) {
+    Term term = curve_on(carrier, curve, variable, span);
+    term.numbers = std::move(numbers);
+    terms_.push_back(std::move(term));
+  };
+  // A decay begins where the variable does, or nearly.
+  if (values.front() > -0.1 * span && values.front() < span) {
+    for (int k = 0; k < kDecays; ++k) {
+      for (const Curve curve : {Curve::decay, Curve::rise}) add(curve, {std::ldexp(span, -k)});
+    }
+  }
+  for (int k = 1; k < kPlaces; ++k) {
+    const double place = values[values.size() * k / kPlaces];
+    for (const Curve curve : {Curve::step, Curve::above, Curve::below}) add(curve, {place});
+  }
+  for (int k = 2; k < kFewWaves && !vocabulary_.prefix.empty(); ++k) {
+    for (const double phase : {0.0, 0.5 * maths::kPi})
+      add(Curve::wave, {k * maths::kPi / span, phase});
+  }
+}
+
+// The term with its curve's number moved to where it takes the most.
+Term TermLibrary::moved_to_the_best(Term term) const {
+  const auto gain_of = [&](const Term& other) {
+    const ByScalar column = derivative(other);
+    const ByScalar own = column.empty() ? column : beyond(column);
+    return own.empty() ? 0 : std::pow(dot(own, rest_), 2);
+  };
+  const bool decays = term.curve == Curve::decay || term.curve == Curve::rise;
+  double most = gain_of(term), width = decays ? 2 : term.span / kPlaces;
+  for (int halved = 0; halved < kHalvings; ++halved) {
+    width = decays ? std::sqrt(width) : 0.5 * width;
+    for (const bool up : {false, true}) {
+      Term other = term;
+      if (decays)
+        other.numbers[0] *= up ? width : 1 / width;
+      else
+        other.numbers[0] += up ? width : -width;
+      if (const double gain = gain_of(other); gain > most) most = gain, term = std::move(other);
+    }
+  }
+  const ByScalar column = derivative(term);
+  if (!column.empty()) term.coefficient = -dot(column, rest_) / dot(column, column);
+  return term;
+}
+
+}  // namespace seam::measurement

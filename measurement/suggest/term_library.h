@@ -1,0 +1,78 @@
+// The terms that a formula may be made of, and how much each would take of what a model leaves.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "measurement/fitting/assess.h"
+#include "measurement/fitting/few_groups.h"
+#include "measurement/suggest/vocabulary.h"
+
+namespace seam::measurement {
+
+// The model with an effect of these terms.
+Model with_formula(Model model, const std::shared_ptr<const EffectDefinition>& effect,
+                   const std::vector<Term>& terms);
+
+class TermLibrary {
+ public:
+  // Terms of the vocabulary, and curves at places of its variables, looked at beside a model on
+  // some 4,000 residuals of training groups, so that they know nothing of held-out ones.
+  TermLibrary(const Problem& problem, const Model& base, const Vocabulary& vocabulary);
+
+  bool valid() const { return start_.valid && !start_.whitened.empty(); }
+  // Terms that are looked at for one.
+  double looks() const;
+  // Of all residuals that take part.
+  double count() const { return count_; }
+  // A few terms that gain more than they cost beside what a model fits, the best first, each unlike
+  // those before it: the gain is that of one linear step, of which some fits make nothing.
+  std::vector<Term> best_terms(const Assessment& here);
+
+ private:
+  using ByScalar = std::vector<double>;
+
+  // Observations of a variable where a carrier acts, and how much it does.
+  struct Along {
+    std::vector<size_t> scalars;
+    std::vector<double> at, weight;
+  };
+  struct Worth {
+    double worth = 0;
+    Term term;
+    ByScalar own;  // Its column beyond what is fitted, of unit length.
+  };
+
+  double dot(const ByScalar& a, const ByScalar& b) const;
+  void take_out(const ByScalar& direction, ByScalar& from) const;
+  // Tries that step first, where one is given, and leaves the one that was taken.
+  ByScalar derivative(const Term& term, double* step_to_try = nullptr) const;
+  void look_from(const Assessment& here);
+  ByScalar beyond(ByScalar column) const;
+  std::vector<Worth> worths() const;
+  Along along(const Term& carrier, const std::string& variable) const;
+  std::vector<double> values_of(const Term& carrier, const std::string& variable) const;
+  void add_curves(const Term& carrier, const std::string& variable);
+  Term moved_to_the_best(Term term) const;
+  std::optional<Term> best_wave(const Term& carrier, const std::string& variable,
+                                double& gain) const;
+
+  const Model& base_;
+  const Vocabulary& vocabulary_;
+  FewRows rows_;
+  double count_ = 0;
+  double share_ = 1;  // How many residuals there are for each that is looked at.
+  Evaluation start_;  // Of the base.
+  std::vector<Term> terms_;
+  std::vector<ByScalar> library_;          // Derivatives by each term's coefficient;
+  std::map<const Term*, ByScalar> alone_;  // by a carrier with 1 for the curve,
+  std::map<std::pair<const Term*, std::string>, ByScalar> times_;  // and with a variable.
+  std::vector<ByScalar> basis_;  // What the fitted parameters span, orthonormal.
+  ByScalar rest_;                // What they leave.
+  double misfit_ = 1;
+};
+
+}  // namespace seam::measurement
