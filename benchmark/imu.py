@@ -80,7 +80,7 @@ def noise(draw, sizes, count):
 def draw_effect(draw, effect):
     """Values by axis, and others by their parameters' names."""
     if effect in CLOCK:
-        return {"drift_ppm": draw.signed(20, 5000)} if effect == "imu_clock" else {"sigma_s": draw.log_uniform(2e-4, 3e-3)}
+        return {"drift_ppm": draw.signed(20, 5000)} if effect == "imu_clock" else {"sigma_s": draw.log_uniform(1e-4, 1.5e-3)}
     sensor, kind = split(effect)
     big = 1 if sensor == "gyro" else 10
     white = WHITE[sensor] / math.sqrt(DT)  # Of a sample.

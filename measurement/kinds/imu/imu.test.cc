@@ -6,6 +6,7 @@
 #include "effects/stages/inertial/inertial.h"
 #include "measurement/kinds/imu/allan.h"
 #include "measurement/kinds/imu/cosine_transform.h"
+#include "measurement/kinds/imu/noise_lines.h"
 #include "sim_core/base/maths.h"
 #include "sim_core/base/random.h"
 
@@ -117,6 +118,33 @@ TEST(Allan, OfAModelHasTheClosedForms) {
               2e-3);
   EXPECT_NEAR(deviation(&Sensor::walk, 0.3) / (0.3 * std::sqrt(tau_s / 3)), 1, 2e-3);
   EXPECT_NEAR(deviation(&Sensor::rounding, 0.3) / (0.3 * std::sqrt(3) / tau_s), 1, 2e-3);
+}
+
+// A bias that walks follows a temperature that rises by chance, by as much as its error says.
+TEST(NoiseLines, AWalkFollowsTheTemperatureByChance) {
+  constexpr size_t kSamples = 4000, kSeeds = 80;
+  double square = 0;
+  size_t far = 0;
+  for (size_t seed = 0; seed < kSeeds; ++seed) {
+    const std::vector<double> white = drawn(kSamples, "white" + std::to_string(seed));
+    const std::vector<double> steps = drawn(kSamples, "steps" + std::to_string(seed));
+    ImuStretch stretch{.dt_s = 0.02};
+    double at = 0;
+    for (size_t i = 0; i < kSamples; ++i) {
+      stretch.rows.push_back(i);
+      stretch.temperature_c.push_back(25 - 6 * std::exp(-static_cast<double>(i) / 1500));
+      stretch.samples[0].push_back(white[i] + (at += 0.02 * steps[i]));
+    }
+    ImuData data;
+    data.stretches.push_back(std::move(stretch));
+    const StretchMean mean = noise_of_axis(data, 0, 1, 0.02).means[0][0];
+    const double over = mean.per_k * mean.per_k / mean.per_k_variance;
+    square += std::min(over, 9.0) / kSeeds;
+    if (over > 9) ++far;
+  }
+  // Of normal errors one in 370 is beyond three; the spectrum's own error makes some more.
+  EXPECT_LE(far, kSeeds / 20);
+  EXPECT_NEAR(square, 1, 0.6);
 }
 
 }  // namespace

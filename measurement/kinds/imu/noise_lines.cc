@@ -14,7 +14,7 @@ constexpr size_t kLeastLines = 4;  // Of a band: the cube root of their power is
 constexpr double kLeastWarming_k = 0.2;
 constexpr size_t kMostCells = 600, kMostModes = 64;
 
-constexpr size_t kPowers = 4;                        // Of frequency, before the peaks.
+constexpr size_t kPowers = 4, kFlicker = 2;          // Of frequency, before the peaks.
 constexpr double kPeakWidths[] = {0.25, 0.5, 1, 2};  // Times that of the window that found it.
 
 std::vector<double> shapes_at(double omega, const std::vector<SpectralPeak>& peaks) {
@@ -35,7 +35,7 @@ struct PooledBand {
 
 // By Itakura and Saito's distance, which is the likelihood of powers: multiplicative steps, in
 // which sizes stay positive (Fevotte and Idier 2011).
-std::vector<double> sizes_through(const std::vector<PooledBand>& bands) {
+std::vector<double> sizes_through(const std::vector<PooledBand>& bands, bool with_flicker) {
   constexpr int kSteps = 400;
   const size_t count = bands.front().shapes.size();
   std::vector<double> sizes(count, 0), up(count), down(count);
@@ -48,6 +48,7 @@ std::vector<double> sizes_through(const std::vector<PooledBand>& bands) {
   }
   for (size_t j = 0; j < count; ++j)
     sizes[j] = j < kPowers ? std::max(1e-300, sizes[j] / (kPowers * lines)) : most;
+  if (!with_flicker) sizes[kFlicker] = 0;
   for (int step = 0; step < kSteps; ++step) {
     std::fill(up.begin(), up.end(), 0), std::fill(down.begin(), down.end(), 0);
     for (const PooledBand& band : bands) {
@@ -61,6 +62,24 @@ std::vector<double> sizes_through(const std::vector<PooledBand>& bands) {
     for (size_t j = 0; j < count; ++j) sizes[j] *= std::sqrt(up[j] / down[j]);
   }
   return sizes;
+}
+
+double log_likelihood(const std::vector<PooledBand>& bands, const std::vector<double>& sizes) {
+  double sum = 0;
+  for (const PooledBand& band : bands) {
+    double all = 0;
+    for (size_t j = 0; j < sizes.size(); ++j) all += sizes[j] * band.shapes[j];
+    sum -= 0.5 * band.lines * (band.power / all + std::log(all));
+  }
+  return sum;
+}
+
+// Few lines separate flicker noise from a walk, and a walk leaves means and slopes far less
+// certain: it is taken unless it is less likely by two standard errors.
+std::vector<double> careful_sizes(const std::vector<PooledBand>& bands) {
+  constexpr double kLessLikely = 2;
+  std::vector<double> all = sizes_through(bands, true), some = sizes_through(bands, false);
+  return log_likelihood(bands, some) < log_likelihood(bands, all) - kLessLikely ? all : some;
 }
 
 // Ends of bands over the lines 1 to n - 1: a share of the lines below, less near peaks, and so many
@@ -131,9 +150,9 @@ WhiteLines whitened(const std::vector<Lines>& all, const SmoothSpectrum& smooth)
 }
 
 SmoothSpectrum smooth_through(const std::vector<Lines>& lines, double share) {
-  SmoothSpectrum smooth{.size = sizes_through(pooled(lines, {}))};
+  SmoothSpectrum smooth{.size = careful_sizes(pooled(lines, {}))};
   smooth.peaks = peaks_of(whitened(lines, smooth), share);
-  if (!smooth.peaks.empty()) smooth.size = sizes_through(pooled(lines, smooth.peaks));
+  if (!smooth.peaks.empty()) smooth.size = careful_sizes(pooled(lines, smooth.peaks));
   return smooth;
 }
 
