@@ -2,8 +2,8 @@
 import scores
 
 ENDS = ("nothing", "named", "unexplained")
-HEAD = """// How often verdicts were right on sets of the benchmark, by kind and verdict. Made by `benchmark/run.py trust` from the
-// answers in benchmark/results: run it again after a change of these.
+HEAD = """// How often verdicts were right on sets of the benchmark, by kind and verdict. Made by
+// `benchmark/run.py trust` from answers to sets of all sorts and to those of `outside`.
 #pragma once
 
 namespace seam::measurement {

@@ -9,6 +9,7 @@
 #include "measurement/report/headline.h"
 #include "measurement/report/target_told.h"
 #include "measurement/report/told.h"
+#include "measurement/report/trust/trust.h"
 #include "measurement/search/kept.h"
 #include "measurement/search/looked_for.h"
 
@@ -248,7 +249,8 @@ std::string diagnose_text(const Problem& problem, const SearchResult& result,
   text += findings_text(problem, result.best.assessment);
   const std::string advice = advice_for(problem, result);
   if (!advice.empty()) text += "advice: " + advice + "\n";
-  return text + looked_for_text(looked_for(problem, result)) + notes.others +
+  return text + looked_for_text(looked_for(problem, result)) +
+         trust_text(trust_in(problem, result)) + notes.others +
          figures_text(problem, result.base.assessment) +
          curves_text(problem, result.base.assessment.model);
 }
@@ -294,8 +296,8 @@ std::string discover_text(const Problem& problem, const SearchResult& result,
   if (result.verdict == "unexplained_structure")
     text += structure_lines(problem, result.best.assessment, result.remaining);
   return text + traces_text(problem.facts(), result.remaining_traces, result.last_traces) +
-         looked_for_text(looked_for(problem, result)) + notes.others +
-         figures_text(problem, result.best.assessment) +
+         looked_for_text(looked_for(problem, result)) + trust_text(trust_in(problem, result)) +
+         notes.others + figures_text(problem, result.best.assessment) +
          curves_text(problem, result.best.assessment.model);
 }
 

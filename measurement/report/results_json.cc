@@ -8,6 +8,7 @@
 #include "measurement/report/headline.h"
 #include "measurement/report/results.h"
 #include "measurement/report/target_told.h"
+#include "measurement/report/trust/trust_json.h"
 #include "measurement/search/kept.h"
 #include "measurement/search/looked_for.h"
 #include "measurement/search/order.h"
@@ -272,6 +273,7 @@ void add_looked_for(ordered_json& json, const Problem& problem, const SearchResu
     list.push_back(std::move(one));
   }
   json["looked_for"] = std::move(list);
+  add_trust(json, trust_in(problem, result));
 }
 
 std::string looks_json(const SearchResult& result) {
