@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 import by_hand
 
@@ -103,6 +104,16 @@ class Sets(unittest.TestCase):
         slope, start = np.polyfit(np.arange(len(late)), late, 1)
         self.assertAlmostEqual(slope / 0.02, 1200e-6, delta=2e-6)
         self.assertAlmostEqual(np.std(late - start - slope * np.arange(len(late))), 4e-4, delta=1e-5)
+
+    def test_a_line_that_one_axis_does_not_have(self):
+        drawn = {"x": 0.0053, "y": 0.0, "z": 0.0106, "frequency_hz": 8.0, "quality": 50.0, "skew": 0.0}
+        with unittest.mock.patch.object(imu, "draw_effect", lambda draw, effect: drawn):
+            values, found, _ = self.found("gyro_vibration", 7)
+        self.assertEqual([step["effect"] for step in found["steps"]], ["gyro_vibration"], found["headline"])
+        seen = found["steps"][0]["parameters"]
+        for name in ("x_radps", "z_radps", "frequency_hz", "quality"):
+            self.assertLess(abs(seen[name]["value"] - values[name]), 5 * seen[name]["sigma"], name)
+        self.assertLess(seen["y_radps"]["value"], 1e-3)
 
     def test_a_line_is_no_line_of_data_sheets(self):
         _, folder = self.is_found("gyro_vibration", 2)

@@ -7,7 +7,7 @@ EffectDefinition gyro_vibration() {
       .name = "gyro_vibration",
       .stage = kInertial,
       .kinds = kImu,
-      .parameters = vibration_parameters("radps", 100, 0.02, "rms, rad/s.",
+      .parameters = vibration_parameters("radps", 100, 2e-4, "rms, rad/s.",
                                          {0, 5, "ranges of gyroscopes end at 4 to 35 rad/s"}),
       .help =
           "A line in the readings of the gyroscope: a motor, or a resonance of what it is "
