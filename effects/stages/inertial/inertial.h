@@ -47,8 +47,8 @@ std::vector<Parameter> axis_parameters(const std::string& unit_name, double leas
 std::vector<Parameter> cross_parameters(const std::vector<std::string>& pairs);
 // Starts of a fit: the same size on all axes, in steps of half a decade.
 std::vector<StartRule> noise_starts(double from, double to);
-// Of a vibration (`usual`: what can just be seen, since steps of fits from an axis without a line are
-// as long): its sizes by axis, its frequency, its quality, its skew; in this order wherever
+// Of a vibration (`usual`: what can just be seen, since steps of fits from an axis without a line
+// are as long): its sizes by axis, its frequency, its quality, its skew; in this order wherever
 // fits start with StartSearch::frequency.
 std::vector<Parameter> vibration_parameters(const std::string& unit_name, double most, double usual,
                                             const std::string& help, const Plausible& plausible);
