@@ -68,7 +68,7 @@ export function Candidates() {
       {search.suggestion && <Formula found={search.suggestion} />}
       {weak.length > 0 && (
         <button type="button" class="link" aria-expanded={allShown.value} onClick={() => (allShown.value = !allShown.value)}>
-          {allShown.value ? "hide" : "and"} {weak.length} without a gain that noise would not bring
+          {allShown.value ? "hide" : "show"} {weak.length} that {weak.length === 1 ? "does" : "do"} not help
         </button>
       )}
       <NotTestable search={search} />
