@@ -37,6 +37,8 @@ class Residuals {
   // The best functions, one after another, while each gains; nothing where the first does not.
   std::optional<UnnamedCause> best_cause(std::vector<TriedFunction>* tried);
   double squares() const { return rest_.squaredNorm(); }
+  // Of log-likelihood, by one linear step of the explanation's own parameters.
+  double step_gain() const { return step_gain_; }
 
  private:
   // A function's columns, without what follows them, and what they gain.
@@ -60,6 +62,7 @@ class Residuals {
   std::array<Index, kParts + 1> begins_ = {};  // Of each part among them, then the end.
   MatrixXd span_;                              // Orthonormal: of the fitted parameters.
   VectorXd rest_;
+  double step_gain_ = 0;
   std::vector<FieldPlace> places_;
 };
 
@@ -93,6 +96,8 @@ Residuals::Residuals(const Problem& problem, const Model& model,
   std::vector<double> beyond = here_.whitened;
   for (size_t i = 0; i < problem.facts().scalars(); ++i) beyond[i] = here_.beyond_mean(i);
   rest_ = own_of(beyond);
+  for (const size_t i : scalars_) step_gain_ += 0.5 * beyond[i] * beyond[i];
+  step_gain_ -= 0.5 * rest_.squaredNorm();
 }
 
 std::vector<SmoothField> Residuals::fields() {
@@ -183,11 +188,59 @@ std::optional<UnnamedCause> Residuals::best_cause(std::vector<TriedFunction>* tr
     rest_ -= best->columns * best->effect.coefficients;
   }
   if (cause.depends_on.empty()) return std::nullopt;
-  cause.noise_units = std::sqrt((first - rest_).squaredNorm() / count);
+  cause.noise_units =
+      std::sqrt((first - rest_).squaredNorm() / (count * problem_.facts().values_of_scalar));
   cause.error_before = std::sqrt(first.squaredNorm() / count);
   cause.error_after = std::sqrt(rest_.squaredNorm() / count);
   cause.takes = std::min(1.0, (first.squaredNorm() - rest_.squaredNorm()) /
                                   std::max(first.squaredNorm() - count, 1.0));
+  return cause;
+}
+
+// The model with the noise that another has found, in what both have of it.
+Model with_noise_of(Model model, const Model& other) {
+  for (const effects::ModelEffect& effect : other.effects()) {
+    const std::string& name = effect.definition->name;
+    if (!effect.definition->spread_only || !model.has(name)) continue;
+    for (size_t i = 0; i < effect.parameters.size(); ++i) {
+      if (model.find(name)->parameters[i].refitted())
+        model.set_value(name, i, effect.parameters[i].value);
+    }
+  }
+  return model;
+}
+
+// Of models with the same effects.
+bool same_values(const Model& a, const Model& b) {
+  return std::ranges::equal(a.effects(), b.effects(), [](const auto& one, const auto& other) {
+    return std::ranges::equal(one.values(), other.values());
+  });
+}
+
+// The cause beside an explanation, whose model may have another noise than its own; its lead is on
+// the last explanation.
+std::optional<UnnamedCause> cause_beside(const Problem& problem, const Explanation& explanation,
+                                         const Model& model, const Explanation& last,
+                                         std::vector<TriedFunction>* tried) {
+  double ahead = explanation.log_evidence - last.log_evidence;
+  if (!std::isfinite(ahead)) return std::nullopt;
+  const Assessment& assessment = *explanation.assessment;
+  const bool is_own = same_values(model, assessment.model);
+  if (&model != &assessment.model && is_own) return std::nullopt;
+  Residuals residuals(problem.with_residuals(), model, assessment.unknowns);
+  if (!residuals.valid()) return std::nullopt;
+  std::optional<UnnamedCause> cause = residuals.best_cause(tried);
+  if (!cause) return std::nullopt;
+  if (!is_own) {
+    const Groups all = problem.all_groups();
+    ahead += problem.score(model, all).log_likelihood -
+             problem.score(assessment.model, all).log_likelihood;
+    cause->lead += residuals.step_gain();
+  }
+  // Where something is left that is no noise, evidence is too sure.
+  const double misfit = std::max(1.0, cause->error_after * cause->error_after);
+  const double short_by = explanation.noise_follows ? kStepFallsShort * cause->lead : 0;
+  cause->lead = (cause->lead + short_by + ahead) / misfit;
   return cause;
 }
 
@@ -196,21 +249,27 @@ std::optional<UnnamedCause> Residuals::best_cause(std::vector<TriedFunction>* tr
 std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
                                           const std::vector<Explanation>& explanations,
                                           double material, std::vector<TriedFunction>* tried) {
+  const Explanation& last = explanations.back();
+  std::vector<std::optional<UnnamedCause>> causes;
+  for (const Explanation& explanation : explanations) {
+    const bool is_last = &explanation == &last;
+    causes.push_back(cause_beside(problem, explanation, explanation.assessment->model, last,
+                                  is_last ? tried : nullptr));
+    if (is_last || !causes.back()) continue;
+    // Noise that is fitted takes what an explanation leaves, and hides a part of a cause.
+    const Model quiet = with_noise_of(explanation.assessment->model, last.assessment->model);
+    auto other = cause_beside(problem, explanation, quiet, last, nullptr);
+    if (other && other->lead > causes.back()->lead) causes.back() = std::move(other);
+  }
+  // What is too small to count beside the last makes no other explanation better than it.
+  const bool is_trace = causes.back() && causes.back()->noise_units < material;
+  const double trace = is_trace ? std::max(0.0, causes.back()->lead) : 0;
   std::optional<UnnamedCause> best;
-  for (size_t e = 0; e < explanations.size(); ++e) {
-    const double ahead = explanations[e].log_evidence - explanations.back().log_evidence;
-    if (!std::isfinite(ahead)) continue;
-    const Assessment& assessment = *explanations[e].assessment;
-    Residuals residuals(problem, assessment.model, assessment.unknowns);
-    if (!residuals.valid()) continue;
-    std::optional<UnnamedCause> cause =
-        residuals.best_cause(e + 1 == explanations.size() ? tried : nullptr);
+  for (size_t e = 0; e < causes.size(); ++e) {
+    std::optional<UnnamedCause>& cause = causes[e];
     if (!cause || cause->noise_units < material) continue;
-    // Where something is left that is no noise, evidence is too sure.
-    const double misfit = std::max(1.0, cause->error_after * cause->error_after);
-    const double short_by = explanations[e].noise_follows ? kStepFallsShort * cause->lead : 0;
     cause->beside = e;
-    cause->lead = (cause->lead + short_by + ahead) / misfit;
+    cause->lead -= trace;
     // Of equals the one with the fewest effects: beside a cause without a name small ones with
     // names are not to be trusted.
     if (cause->lead > 0 && (!best || cause->lead > best->lead + kLeastGain))
@@ -227,7 +286,7 @@ std::vector<double> own_shares(const Problem& problem, const Assessment& explana
   };
   const auto left_by = [&](const Model& model,
                            const std::vector<Unknown>& unknowns) -> std::optional<Left> {
-    Residuals residuals(problem, model, unknowns);
+    Residuals residuals(problem.with_residuals(), model, unknowns);
     if (!residuals.valid()) return std::nullopt;
     Left left{.squares = residuals.squares()};
     if (const auto cause = residuals.best_cause(nullptr)) left.gain = cause->lead;

@@ -82,6 +82,7 @@ struct Facts {
   std::vector<char> shares_error;
   std::vector<int> row_of;      // By scalar.
   std::vector<int> channel_of;  // By scalar.
+  double values_of_scalar = 1;  // Measured values of which a scalar is the mean.
   std::vector<Covariate> covariates;
   std::vector<std::string> notes;     // What of the set takes no part, and why: sentences.
   std::vector<LeftOutRows> left_out;  // By choice.

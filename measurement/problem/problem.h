@@ -67,6 +67,10 @@ class Problem {
     return {};
   }
 
+  // The problem whose residuals show causes without a name. Default: this one. A kind that has no
+  // residual of each row has a table of means in its place.
+  virtual const Problem& with_residuals() const { return *this; }
+
   virtual Score score(const Model& model, const Groups& groups) const;
   // The same of a model that differs little from one that was fitted: its nuisances may start where
   // those ended. Default: they need no start.

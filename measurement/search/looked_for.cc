@@ -115,6 +115,15 @@ void add_mixtures(const Problem& problem, const SearchResult& result,
   list.push_back(std::move(gross));
 }
 
+// Effects that could stand in the place of a step.
+void add_ties(const SearchResult& result, std::vector<LookedFor>& list) {
+  if (result.ties_sought || result.steps.empty()) return;
+  list.push_back({"ties",
+                  {},
+                  kNotTested,
+                  "a cause is unexplained: no step is established, nor what could stand for it"});
+}
+
 std::string name_of(const LookedFor& entry) {
   if (entry.covariates.empty()) return entry.what;
   return fmt::format("{} of {}", entry.what, fmt::join(entry.covariates, " and "));
@@ -128,6 +137,7 @@ std::vector<LookedFor> looked_for(const Problem& problem, const SearchResult& re
   add_formula(result, list);
   add_structure(problem.facts(), result, list);
   add_mixtures(problem, result, list);
+  add_ties(result, list);
   return list;
 }
 

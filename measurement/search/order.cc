@@ -138,11 +138,14 @@ void take_steps(const Problem& problem, const EffectByName& effect_by_name, Grow
   }
 }
 
-// Which others could stand in the place of each step: as likely ones, and those that predict the
-// same as far as predictions are exact.
+}  // namespace
+
 void tell_ties(const Problem& problem, const EffectByName& effect_by_name,
                const Exchanges& exchanges, const Grown& searched,
                const std::vector<std::string>& promising, SearchResult& result) {
+  result.ties_sought = searched.assessment.error < kMisfit && !result.unnamed &&
+                       result.mimics.empty() && !has_mean_structure(result.remaining);
+  if (!result.ties_sought) return;
   std::vector<std::pair<size_t, std::string>> moves;
   for (size_t s = 0; s < result.steps.size(); ++s) {
     if (effects::has_dependents(result.best.assessment.model, result.steps[s].effect)) continue;
@@ -166,13 +169,8 @@ void tell_ties(const Problem& problem, const EffectByName& effect_by_name,
   }
 }
 
-}  // namespace
-
-void order_steps(const Problem& problem, const EffectByName& effect_by_name,
-                 const Exchanges& exchanges, const std::vector<std::string>& promising,
-                 SearchResult& result) {
+void order_steps(const Problem& problem, const EffectByName& effect_by_name, SearchResult& result) {
   result.steps.clear();
-  const Grown searched = result.best;
   const bool explained = result.best.assessment.error < kMisfit;
   Grown grown = result.base;
   std::vector<std::string> left = result.best.added;
@@ -221,7 +219,6 @@ void order_steps(const Problem& problem, const EffectByName& effect_by_name,
       grown.assessment.total_ll >= result.best.assessment.total_ll - kSameFit) {
     result.best = grown;
   }
-  if (explained) tell_ties(problem, effect_by_name, exchanges, searched, promising, result);
 }
 
 std::vector<std::string> noises_found(const SearchResult& result) {

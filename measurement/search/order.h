@@ -9,11 +9,16 @@
 
 namespace seam::measurement {
 
-// The steps from the base to the best model, in the order in which each effect helps most, with
-// those of the promising effects that could stand in the place of each.
-void order_steps(const Problem& problem, const EffectByName& effect_by_name,
-                 const Exchanges& exchanges, const std::vector<std::string>& promising,
-                 SearchResult& result);
+// The steps from the base to the best model, in the order in which each effect helps most.
+void order_steps(const Problem& problem, const EffectByName& effect_by_name, SearchResult& result);
+
+// Which of the promising effects could stand in the place of each step: as likely ones, and those
+// that predict the same as far as predictions are exact. `searched` is the model that the steps
+// were put in order from. Where material structure of the mean is left beside all steps, or a cause
+// without a name, neither a step nor what could stand for it is established: no tie is looked for.
+void tell_ties(const Problem& problem, const EffectByName& effect_by_name,
+               const Exchanges& exchanges, const Grown& searched,
+               const std::vector<std::string>& promising, SearchResult& result);
 
 // The steps that are noises.
 std::vector<std::string> noises_found(const SearchResult& result);

@@ -365,9 +365,11 @@ SearchResult Searcher::run() {
   result.best = exchanges_.told_simply(std::move(result.best), by_name);
   result.first_is_of_base = !marks_changed;
   progress_("putting the steps in order");
+  Grown searched;
   do {
     remove_neutral(problem_, result.best);
-    order_steps(problem_, by_name, exchanges_, promising_, result);
+    searched = result.best;
+    order_steps(problem_, by_name, result);
   } while (remove_neutral(problem_, result.best));
   keep_traces(problem_, looks_, result);
   progress_("looking for a cause without a name");
@@ -377,6 +379,7 @@ SearchResult Searcher::run() {
   give_verdict(problem_, of_base, result);
   while (leave_out_doubted(problem_, result)) give_verdict(problem_, of_base, result);
   if (look_for_formula(problem_, progress_, result)) give_verdict(problem_, of_base, result);
+  tell_ties(problem_, by_name, exchanges_, searched, promising_, result);
   rank_by_search(problem_, result);
   widen_by_group_scatter(problem_, kMisfit, result.base.assessment);
   result.errors_widened = widen_by_group_scatter(problem_, kMisfit, result.best.assessment);

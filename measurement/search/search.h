@@ -51,6 +51,7 @@ struct SearchResult {
   std::vector<std::string> mimics;
   std::vector<TriedFunction> functions;  // Smooth ones, beside the last step.
   bool formula_sought = false;
+  bool ties_sought = false;            // Not where a cause is unexplained.
   double mimics_error = 0;             // Of the model that has them.
   std::vector<Candidate> last_traces;  // Effects that are traces beside the best model.
   double material = 0;                 // The least that counts, in noise units.

@@ -278,7 +278,7 @@ TEST(MotorSearch, StepsTellTheMotorBeforeItsWander) {
                  .assessment = assess(problem, best, refitted_unknowns(best))};
   ASSERT_LT(result.best.assessment.error, 1.15);
   const auto by_name = [](const std::string& name) { return effects::find_effect(name); };
-  order_steps(problem, by_name, Exchanges(problem), {}, result);
+  order_steps(problem, by_name, result);
   ASSERT_EQ(result.steps.size(), 2u);
   EXPECT_EQ(result.steps[0].effect, "motor_servo");
 }

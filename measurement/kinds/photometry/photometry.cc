@@ -142,6 +142,16 @@ std::vector<Structure> PhotometryProblem::structure(const Model& model, const Gr
   return photometry_structure(small_view_of(*sum), model);
 }
 
+const Problem& PhotometryProblem::with_residuals() const {
+  std::call_once(means_made_, [&] {
+    const MeanSource whole{data_, sums(all_groups())},
+        quick{small_ ? *small_ : data_, sums(all_groups(), true)};
+    means_ = std::make_unique<const PhotometryMeans>(whole, quick, facts_, set_noise_dn_,
+                                                     channels_share_);
+  });
+  return *means_;
+}
+
 std::vector<char> PhotometryProblem::find_outliers(const Model&) const {
   return std::vector<char>(facts_.scalars(), 0);
 }

@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "measurement/kinds/kinds.h"
+#include "measurement/kinds/photometry/means/photometry_means.h"
 #include "measurement/kinds/photometry/photometry_starts.h"
 #include "measurement/numerics/maximise.h"
 #include "measurement/problem/problem.h"
@@ -23,6 +24,7 @@ class PhotometryProblem : public Problem {
           const Groups& groups) const override;
   std::vector<Structure> structure(const Model& model, const Groups& groups,
                                    int fitted) const override;
+  const Problem& with_residuals() const override;
   ResidualView residual_view(const Model& model, const Groups& groups) const override;
   std::vector<Figure> figures(const Model& model) const override;
   void check_model(const Model& model) const override;
@@ -70,6 +72,8 @@ class PhotometryProblem : public Problem {
   mutable std::vector<std::string> optima_;  // Keys of fits that were done.
   mutable std::vector<std::pair<std::pair<Groups, bool>, std::shared_ptr<const PhotometrySums>>>
       cache_;
+  mutable std::once_flag means_made_;
+  mutable std::unique_ptr<const PhotometryMeans> means_;
   mutable std::mutex rough_mutex_;
   mutable std::string rough_key_;
   mutable std::shared_ptr<const PhotometrySums> rough_;

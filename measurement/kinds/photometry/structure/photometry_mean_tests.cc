@@ -13,6 +13,13 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+double weight(const effects::SensorChain& chain, double own2, const LevelPrediction& level,
+              size_t i) {
+  const double o = chain.pixel_offset_sigma_dn * level.offset_slope[i];
+  const double g = chain.pixel_gain_sigma * level.gain_slope[i];
+  return 1 / (own2 + o * o + g * g);
+}
+
 }  // namespace
 
 SamplePlace place_of(const PhotometryData& data, size_t level, int u, int v, int channel) {
@@ -26,6 +33,38 @@ SamplePlace place_of(const PhotometryData& data, size_t level, int u, int v, int
           effects::rho(data.column(u), data.row(v), data.sensor_width(), data.sensor_height())};
 }
 
+std::vector<char> outstanding_samples(const PhotometryView& view,
+                                      const PhotometryPrediction& prediction) {
+  const auto& chain = prediction.chain;
+  if (chain.hot_fraction <= 0 && chain.weak_fraction <= 0) return {};
+  std::vector<char> outstanding(view.data.samples(), 0);
+  for (size_t i = 0; i < outstanding.size(); ++i) {
+    double cold = 0, hot = 0, weak = 0;
+    for (size_t l = 0; l < prediction.levels.size(); ++l) {
+      const LevelSums& sum = view.sums.levels[l];
+      if (sum.frames.empty()) continue;
+      const LevelPrediction& level = prediction.levels[l];
+      const double w =
+          weight(chain, level.variance[i] / static_cast<double>(sum.frames.size()), level, i);
+      const double r = sum.mean[i] - level.mean[i];
+      const auto square_from = [&](const std::vector<double>& mean) {
+        if (mean.empty()) return std::numeric_limits<double>::infinity();
+        const double own = r - (mean[i] - level.mean[i]);
+        return w * own * own;
+      };
+      cold += w * r * r, hot += square_from(level.hot_mean), weak += square_from(level.weak_mean);
+    }
+    outstanding[i] = std::min(hot, weak) < cold;
+  }
+  return outstanding;
+}
+
+double small_step(const effects::Parameter& parameter, double value) {
+  double h = 1e-3 * std::max(std::isfinite(parameter.scale) ? parameter.scale : 1, std::abs(value));
+  if (parameter.name == "frequency_hz") h = 1e-4;
+  return value + h > parameter.max ? -h : h;
+}
+
 MeanTests::MeanTests(const PhotometryView& view, const Model& model)
     : view_(view),
       data_(view.data),
@@ -37,7 +76,7 @@ MeanTests::MeanTests(const PhotometryView& view, const Model& model)
       add_direction(model, effect.definition->name, i, effect.parameters[i].value, parameter);
     }
   }
-  find_outstanding();
+  outstanding_ = outstanding_samples(view, prediction_);
 }
 
 StructureTest MeanTests::run(const std::string& covariate, int count,
@@ -58,14 +97,14 @@ StructureTest MeanTests::run(const std::string& covariate, int count,
     for (auto& row : rows) row.setZero();
     for (int u = 0; u < data_.width_px; ++u) {
       for (int c = 0; c < data_.channels; ++c, ++i) {
-        if (outstanding_[i]) continue;
+        if (!outstanding_.empty() && outstanding_[i]) continue;
         offset.setZero(), gain.setZero();
         for (size_t l = 0; l < view_.sums.levels.size(); ++l) {
           const LevelSums& sum = view_.sums.levels[l];
           if (sum.frames.empty()) continue;
           const LevelPrediction& level = prediction_.levels[l];
           const double own2 = level.variance[i] / static_cast<double>(sum.frames.size());
-          const double w = weight(own2, level, i);
+          const double w = weight(chain, own2, level, i);
           const SamplePlace place = place_of(data_, l, u, v, c);
           own.setZero();
           VectorXd& features = b;
@@ -109,43 +148,10 @@ StructureTest MeanTests::run(const std::string& covariate, int count,
   return reduce(covariate, count, statistic, full_covariance, full_gram, weights);
 }
 
-double MeanTests::weight(double own2, const LevelPrediction& level, size_t i) const {
-  const auto& chain = prediction_.chain;
-  const double o = chain.pixel_offset_sigma_dn * level.offset_slope[i];
-  const double g = chain.pixel_gain_sigma * level.gain_slope[i];
-  return 1 / (own2 + o * o + g * g);
-}
-
-// Samples with a hot offset or a weak gain are not part of the mean's structure.
-void MeanTests::find_outstanding() {
-  outstanding_.assign(data_.samples(), 0);
-  const auto& chain = prediction_.chain;
-  if (chain.hot_fraction <= 0 && chain.weak_fraction <= 0) return;
-  for (size_t i = 0; i < outstanding_.size(); ++i) {
-    double cold = 0, hot = 0, weak = 0;
-    for (size_t l = 0; l < prediction_.levels.size(); ++l) {
-      if (view_.sums.levels[l].frames.empty()) continue;
-      const LevelPrediction& level = prediction_.levels[l];
-      const double w = weight(
-          level.variance[i] / static_cast<double>(view_.sums.levels[l].frames.size()), level, i);
-      const double r = residual(l, i);
-      const auto square_from = [&](const std::vector<double>& mean) {
-        if (mean.empty()) return std::numeric_limits<double>::infinity();
-        const double own = r - (mean[i] - level.mean[i]);
-        return w * own * own;
-      };
-      cold += w * r * r, hot += square_from(level.hot_mean), weak += square_from(level.weak_mean);
-    }
-    outstanding_[i] = std::min(hot, weak) < cold;
-  }
-}
-
 void MeanTests::add_direction(const Model& model, const std::string& effect, size_t index,
                               double value, const effects::Parameter& parameter) {
   Model moved = model;
-  double h = 1e-3 * std::max(std::isfinite(parameter.scale) ? parameter.scale : 1, std::abs(value));
-  if (parameter.name == "frequency_hz") h = 1e-4;
-  if (value + h > parameter.max) h = -h;
+  const double h = small_step(parameter, value);
   moved.set_value(effect, index, value + h);
   const auto other = predict(data_, view_.sums, moved, view_.set_noise_dn);
   std::vector<std::vector<double>> direction(prediction_.levels.size());

@@ -22,6 +22,14 @@ SamplePlace place_of(const PhotometryData& data, size_t level, int u, int v, int
 // Writes functions of a place, and of the light there, to `out`, which comes as zeros.
 using PlaceBasis = std::function<void(const SamplePlace&, double gain, Eigen::VectorXd& out)>;
 
+// Samples that stand out, with a hot offset or a weak gain: they are no part of the mean's
+// structure. Empty where the model has neither.
+std::vector<char> outstanding_samples(const PhotometryView& view,
+                                      const PhotometryPrediction& prediction);
+
+// A step over which the prediction's derivative by a parameter is taken.
+double small_step(const effects::Parameter& parameter, double value);
+
 // Directions that the model's refitted parameters explain are taken out of each test.
 class MeanTests {
  public:
@@ -36,8 +44,6 @@ class MeanTests {
     return view_.sums.levels[l].mean[i] - prediction_.levels[l].mean[i];
   }
 
-  double weight(double own2, const LevelPrediction& level, size_t i) const;
-  void find_outstanding();
   void add_direction(const Model& model, const std::string& effect, size_t index, double value,
                      const effects::Parameter& parameter);
   StructureTest reduce(const std::string& covariate, int count, const Eigen::VectorXd& statistic,
