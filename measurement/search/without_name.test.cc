@@ -15,6 +15,7 @@ namespace seam::measurement {
 namespace {
 
 using testing::Contains;
+using testing::ContainsRegex;
 using testing::HasSubstr;
 
 constexpr double kNoiseOfWave = 0.1;
@@ -153,6 +154,18 @@ TEST(LookForFormula, AFastWaveIsAFormula) {
   EXPECT_NEAR(result.suggestion->error, 1, 0.1);
   EXPECT_EQ(result.verdict, "unexplained_structure");
   EXPECT_TRUE(result.steps.empty());
+}
+
+// Ranges to what is near are too short, less and less with the distance.
+TEST(LookForFormula, ADecayHasItsLength) {
+  const SearchResult result =
+      found_in("landmarks", "formula-near",
+               "{stage: detector, range: 'range - k * exp(-range / s)', bearing: bearing, "
+               "parameters: {k: 0.3, s: {value: 0.7, neutral: 0.7, min: 0.1, max: 10}}}");
+  ASSERT_TRUE(result.suggestion);
+  EXPECT_THAT(result.suggestion->formula, ContainsRegex("exp[(]-range / 0.(6[5-9]|7)"));
+  EXPECT_NEAR(result.suggestion->error, 1, 0.1);
+  EXPECT_EQ(result.verdict, "unexplained_structure");
 }
 
 // An error that wanders takes a slow wave as well as it takes anything: it comes after the formula.

@@ -8,6 +8,7 @@
 #include "measurement/kinds/kinds.h"
 #include "measurement/suggest/term.h"
 #include "sim_core/base/error.h"
+#include "sim_core/base/maths.h"
 
 namespace seam::measurement {
 namespace {
@@ -220,7 +221,9 @@ TEST(Suggest, AWaveOverTheRowsHasItsFrequency) {
       "points", "{stage: geometry, u: 'u + k * sin(0.21 * v)', v: v, parameters: {k: 0.6}}",
       "suggest-wave");
   ASSERT_TRUE(found);
-  EXPECT_NE(found->terms[0].find("u: sin(0.2"), std::string::npos) << found->terms[0];
+  const std::string begins = "u: sin(2 * pi * v / ";
+  ASSERT_TRUE(found->terms[0].starts_with(begins)) << found->terms[0];
+  EXPECT_NEAR(2 * maths::kPi / std::stod(found->terms[0].substr(begins.size())), 0.21, 0.002);
   EXPECT_NEAR(found->error, 1.0, 0.1);
 }
 
