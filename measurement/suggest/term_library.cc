@@ -13,8 +13,8 @@ namespace {
 
 // Decays are looked at from the variable's range down, each half as long, and steps and bends at
 // evenly many observations; a number is then moved within its neighbours. Judgements.
-constexpr int kDecays = 6;
-constexpr int kPlaces = 12;
+constexpr int kDecays = 4;
+constexpr int kPlaces = 8;
 constexpr int kFewWaves = 16;
 constexpr int kHalvings = 6;
 constexpr int kMostStepTrials = 6;
