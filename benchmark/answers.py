@@ -79,9 +79,11 @@ VARIABLES = {"t": "time", "q": "command_rad", "x": "column", "y": "row", "u": "c
 
 
 def variables_of(formula):
-    """Of the terms behind an output's name and its colon."""
-    words = {word for part in formula.split(";") for word in re.findall(r"[A-Za-z_]\w*", part.partition(":")[2])}
-    return sorted(VARIABLES.get(word, word) for word in words - {"sin", "cos", "pi", "sign", "abs"})
+    """Of the terms behind each output's name and its colon; a target's coordinates are its own."""
+    parts = [part.partition(":") for part in re.split(r"[,;]\s*(?=\w+:)", formula)]
+    words = {word for _, _, terms in parts for word in re.findall(r"[A-Za-z_]\w*", terms)}
+    names = VARIABLES | ({axis: f"target {axis}" for axis in "xyz"} if {name for name, _, _ in parts} & set("xyz") else {})
+    return sorted(names.get(word, word) for word in words - {"sin", "cos", "pi", "sign", "abs", "exp", "max", "sqrt"})
 
 
 def of_discover(found):

@@ -125,6 +125,9 @@ class Honesty(unittest.TestCase):
         self.assertEqual(given["depends_on"], ["row", "view"])
         self.assertEqual(answers.variables_of("u: 0.1 * (x - cx) * sin(2 * pi * t / 3); v: 2 * y"),
                          ["column", "cx", "row", "time"])
+        self.assertEqual(answers.variables_of("vx: 2 * max(3 - t, 0) * vx, vy: 1 * exp(-theta / 2)"),
+                         ["heading", "time", "vx_cmd_mps"])
+        self.assertEqual(answers.variables_of("z: -0.13 * x * y"), ["target x", "target y"])
 
 
 class Trust(unittest.TestCase):

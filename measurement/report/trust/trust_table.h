@@ -16,8 +16,8 @@ inline constexpr TrustRow kTrust[] = {
     {"landmarks", "named", 6, 6},        {"landmarks", "unexplained", 9, 9},
     {"odometry", "nothing", 4, 4},       {"odometry", "named", 12, 12},
     {"odometry", "unexplained", 15, 15}, {"photometry", "nothing", 2, 2},
-    {"photometry", "named", 7, 6},       {"photometry", "unexplained", 7, 7},
-    {"points", "nothing", 5, 4},         {"points", "named", 16, 12},
+    {"photometry", "named", 6, 6},       {"photometry", "unexplained", 8, 8},
+    {"points", "nothing", 5, 4},         {"points", "named", 15, 12},
     {"points", "unexplained", 10, 10},
 };
 
