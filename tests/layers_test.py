@@ -105,7 +105,7 @@ ROOMS = {
         "search/models": ["fitting", "judge", "search"],
         "report/columns": ["sets", "problem"],
         "report/curves": ["problem"],
-        "report/trust": ["problem", "search"],
+        "report/trust": ["judge", "problem", "search"],
         "report": ["report/columns", "report/curves", "report/trust", "sets", "problem", "fitting", "infer", "judge", "search", "search/models",
                    "suggest", "check"],
         "plan": ["sets", "check", "problem", "kinds", "numerics", "fitting", "judge", "search", "report"],

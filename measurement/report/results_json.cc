@@ -266,14 +266,12 @@ void add_unnamed(ordered_json& json, const SearchResult& result) {
 
 // What was looked for beside the effects, with what came of it.
 void add_looked_for(ordered_json& json, const Problem& problem, const SearchResult& result) {
-  ordered_json list = ordered_json::array();
+  ordered_json& list = json["looked_for"] = ordered_json::array();
   for (const LookedFor& entry : looked_for(problem, result)) {
     ordered_json one = {{"what", entry.what}, {"of", entry.covariates}, {"outcome", entry.outcome}};
     if (!entry.why.empty()) one["why"] = entry.why;
     list.push_back(std::move(one));
   }
-  json["looked_for"] = std::move(list);
-  add_trust(json, trust_in(problem, result));
 }
 
 std::string looks_json(const SearchResult& result) {
@@ -298,6 +296,7 @@ std::string diagnose_json(const Problem& problem, const SearchResult& result,
   json["candidates"] = of_first_look(result);
   add_unnamed(json, result);
   add_looked_for(json, problem, result);
+  add_trust(json, trust_in(problem, result));
   const bool unexplained = result.verdict == "unexplained_structure";
   json["structure"] = structure_json(unexplained ? result.remaining : result.base_structure);
   json["structure_of"] = unexplained ? "explanation" : "given";
@@ -355,6 +354,7 @@ std::string discover_json(const Problem& problem, const SearchResult& result,
   json["kept"] = kept_json(result);
   add_unnamed(json, result);
   add_looked_for(json, problem, result);
+  add_trust(json, trust_in(problem, result));
   json["error"] = finite_or_null<ordered_json>(result.best.assessment.error);
   json["baseline"] = baseline_json(problem, result.base.assessment);
   json["native"] = native_json(problem, result.best.assessment.held);

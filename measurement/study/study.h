@@ -9,19 +9,11 @@
 #include <vector>
 
 #include "measurement/imaging/instruments.h"
+#include "measurement/judge/rate.h"
 #include "measurement/search/search.h"
 #include "measurement/study/conditions.h"
 
 namespace seam::measurement {
-
-// A count of successes and the interval that holds the true rate with 95 % (Wilson 1927).
-struct Rate {
-  int hits = 0;
-  int trials = 0;
-  double value() const { return trials > 0 ? static_cast<double>(hits) / trials : 0; }
-  double low() const;
-  double high() const;
-};
 
 struct StudyPlan {
   std::string kind;       // points, board, video, joints, odometry, landmarks, photometry, frames.

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "measurement/report/trust/trust_table.h"
 
 namespace seam::measurement {
@@ -12,22 +10,12 @@ namespace {
 // Of fewer sets the interval spans more than half of all shares.
 constexpr int kFewest = 5;
 
-void add_interval(Trust& trust) {
-  constexpr double kZ = 1.959964;  // Of 95 %.
-  const double n = trust.sets, share = trust.right / n, spread = kZ * kZ / n;
-  const double middle = (share + spread / 2) / (1 + spread);
-  const double half = kZ * std::sqrt(share * (1 - share) / n + spread / (4 * n)) / (1 + spread);
-  trust.low = std::max(0.0, middle - half), trust.high = std::min(1.0, middle + half);
-}
-
 }  // namespace
 
 std::optional<Trust> trust_in(const std::string& kind, const std::string& verdict) {
   for (const TrustRow& row : kTrust) {
     if (kind != row.kind || verdict != row.verdict || row.sets < kFewest) continue;
-    Trust trust{.verdict = verdict, .sets = row.sets, .right = row.right};
-    add_interval(trust);
-    return trust;
+    return Trust{.verdict = verdict, .right = {row.right, row.sets}};
   }
   return std::nullopt;
 }
@@ -45,7 +33,8 @@ std::string trust_text(const std::optional<Trust>& trust) {
                                                    : "found a cause without a name";
   return fmt::format(
       "trust: of {} benchmark sets of this kind that {}, {} were right ({:.0f} to {:.0f} %)\n",
-      trust->sets, what, trust->right, 100 * trust->low, 100 * trust->high);
+      trust->right.trials, what, trust->right.hits, 100 * trust->right.low(),
+      100 * trust->right.high());
 }
 
 }  // namespace seam::measurement

@@ -5,15 +5,14 @@
 #include <optional>
 #include <string>
 
+#include "measurement/judge/rate.h"
 #include "measurement/search/search.h"
 
 namespace seam::measurement {
 
 struct Trust {
   std::string verdict;  // nothing, named, unexplained
-  int sets = 0;
-  int right = 0;
-  double low = 0, high = 1;  // 95 % interval of the share that is right (Wilson).
+  Rate right;           // Of these sets.
 };
 
 // Nothing where the benchmark has too few sets of this kind with this verdict to say anything.

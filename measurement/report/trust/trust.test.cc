@@ -12,11 +12,11 @@ TEST(Trust, IsWhatTheBenchmarksTableSays) {
     ASSERT_LE(row.right, row.sets) << row.kind;
     const auto trust = trust_in(row.kind, row.verdict);
     if (!trust) continue;
-    EXPECT_EQ(trust->right, row.right);
+    EXPECT_EQ(trust->right.hits, row.right);
     const double share = static_cast<double>(row.right) / row.sets;
     constexpr double kRounding = 1e-12;
-    EXPECT_LE(trust->low, share + kRounding);
-    EXPECT_GE(trust->high, share - kRounding);
+    EXPECT_LE(trust->right.low(), share + kRounding);
+    EXPECT_GE(trust->right.high(), share - kRounding);
     EXPECT_NE(trust_text(trust).find(std::to_string(row.right) + " were right"), std::string::npos);
   }
 }
@@ -33,8 +33,8 @@ TEST(Trust, HasWilsonsInterval) {
     const auto trust = trust_in(row.kind, row.verdict);
     if (!trust || row.right != row.sets) continue;
     ++perfect;
-    EXPECT_NEAR(trust->low, row.sets / (row.sets + 3.8415), 1e-4) << row.kind;
-    EXPECT_NEAR(trust->high, 1, 1e-9) << row.kind;
+    EXPECT_NEAR(trust->right.low(), row.sets / (row.sets + 3.8415), 1e-4) << row.kind;
+    EXPECT_NEAR(trust->right.high(), 1, 1e-9) << row.kind;
   }
   EXPECT_GT(perfect, 0);
 }

@@ -11,10 +11,10 @@ namespace seam::measurement {
 inline void add_trust(nlohmann::ordered_json& json, const std::optional<Trust>& trust) {
   if (!trust) return;
   json["trust"] = {{"verdict", trust->verdict},
-                   {"sets", trust->sets},
-                   {"right", trust->right},
-                   {"share_low", trust->low},
-                   {"share_high", trust->high}};
+                   {"sets", trust->right.trials},
+                   {"right", trust->right.hits},
+                   {"share_low", trust->right.low()},
+                   {"share_high", trust->right.high()}};
 }
 
 }  // namespace seam::measurement
