@@ -17,10 +17,6 @@ std::string less(const std::string& variable, double place) {
 
 }  // namespace
 
-size_t numbers_of(Curve curve) {
-  return curve == Curve::none ? 0 : curve == Curve::wave ? 2 : 1;
-}
-
 bool is_fitted(Curve curve) {
   return curve != Curve::none && curve != Curve::step;
 }

@@ -16,8 +16,6 @@ enum class Curve {
   below,  // max(s - v, 0); number: s.
 };
 
-// Numbers of such a curve.
-size_t numbers_of(Curve curve);
 // Whether a fit can move them. A step's place it cannot: between two observations nothing changes.
 bool is_fitted(Curve curve);
 

@@ -65,15 +65,28 @@ TermLibrary::TermLibrary(const Problem& problem, const Model& base, const Vocabu
   start_ = rows_.problem->evaluate(base, rows_.groups);
   if (!valid()) return;
   share_ = count_ / std::max(3.0, residuals_of(rows_));
-  terms_ = vocabulary.terms;
+  add_terms();
+}
+
+void TermLibrary::add_terms() {
+  terms_ = vocabulary_.terms;
   // Most curves are of size 1: what a carrier's step is by itself is theirs.
   std::vector<double> steps(terms_.size(), 1e-6);
-  for (const Term& carrier : vocabulary.carriers) {
+  const bool followed = !vocabulary_.prefix.empty();
+  std::vector<FieldPlace> places;
+  if (followed) places = rows_.problem->field_places(base_, start_);
+  for (const Term& carrier : vocabulary_.carriers) {
     double step = 1e-6;
-    alone_[&carrier] = derivative(carrying(carrier, "1"), &step);
-    for (const std::string& variable : vocabulary.variables) {
-      times_[{&carrier, variable}] = derivative(carrying(carrier, variable));
-      add_curves(carrier, variable);
+    const ByScalar alone = followed ? ByScalar() : derivative(carrying(carrier, "1"), &step);
+    for (const std::string& variable : vocabulary_.variables) {
+      if (followed) {
+        add_curves(carrier, variable, values_of(variable, places));
+        continue;
+      }
+      Along along = this->along(alone, derivative(carrying(carrier, variable)));
+      along.carrier = carrier, along.variable = variable;
+      add_curves(carrier, variable, along.at);
+      along_.push_back(std::move(along));
     }
     steps.resize(terms_.size(), step);
   }
@@ -172,15 +185,13 @@ std::vector<TermLibrary::Worth> TermLibrary::worths() const {
     worths[i] = {gain - terms_[i].parameters() * price, terms_[i], std::move(own)};
     worths[i].term.coefficient = -dot(library_[i], rest_) / dot(library_[i], library_[i]);
   });
-  for (const Term& carrier : vocabulary_.carriers) {
-    for (const std::string& variable : vocabulary_.variables) {
-      double gain = 0;
-      auto wave = best_wave(carrier, variable, gain);
-      if (!wave || !(gain > wave->parameters() * price)) continue;
-      ByScalar own = beyond(derivative(*wave));
-      if (!own.empty())
-        worths.push_back({gain - wave->parameters() * price, *std::move(wave), std::move(own)});
-    }
+  for (const Along& along : along_) {
+    double gain = 0;
+    auto wave = best_wave(along, gain);
+    if (!wave || !(gain > wave->parameters() * price)) continue;
+    ByScalar own = beyond(derivative(*wave));
+    if (!own.empty())
+      worths.push_back({gain - wave->parameters() * price, *std::move(wave), std::move(own)});
   }
   std::stable_sort(worths.begin(), worths.end(),
                    [](const Worth& a, const Worth& b) { return a.worth > b.worth; });
@@ -205,58 +216,49 @@ std::vector<Term> TermLibrary::best_terms(const Assessment& here) {
 }
 
 // The strongest wave in a variable where the carrier acts.
-std::optional<Term> TermLibrary::best_wave(const Term& carrier, const std::string& variable,
-                                           double& gain) const {
-  const Along along = this->along(carrier, variable);
+std::optional<Term> TermLibrary::best_wave(const Along& along, double& gain) const {
   std::vector<double> rest;
   for (const size_t i : along.scalars) rest.push_back(rest_[i]);
   const auto wave = strongest_wave(along.at, along.weight, rest);
   if (!wave) return std::nullopt;
   gain = share_ * wave->gain;
-  Term term = curve_on(carrier, Curve::wave, variable, 0);
+  Term term = curve_on(along.carrier, Curve::wave, along.variable, 0);
   term.numbers = {wave->frequency, wave->phase};
   term.coefficient = wave->amplitude;
   return term;
 }
 
-// The variable's value at each residual is what it would change beside what a constant would: that
-// is exact where the output stands for the residual itself, and near enough elsewhere to find a
-// frequency or a place.
-TermLibrary::Along TermLibrary::along(const Term& carrier, const std::string& variable) const {
+// From what a carrier changes by itself and with a variable. The variable's value at each residual
+// is what it would change beside what a constant would: that is exact where the output stands for
+// the residual itself, and near enough elsewhere to find a frequency or a place.
+TermLibrary::Along TermLibrary::along(const ByScalar& alone, const ByScalar& by_variable) const {
   Along along;
-  if (!vocabulary_.prefix.empty()) return along;
-  const ByScalar& one = alone_.at(&carrier);
-  const ByScalar& by_variable = times_.at({&carrier, variable});
-  if (one.empty() || by_variable.empty()) return along;
+  if (alone.empty() || by_variable.empty()) return along;
   double largest = 0;
-  for (const double value : one) largest = std::max(largest, std::abs(value));
-  for (size_t i = 0; i < one.size(); ++i) {
-    if (!start_.used[i] || std::abs(one[i]) < kLeastActing * largest) continue;
+  for (const double value : alone) largest = std::max(largest, std::abs(value));
+  for (size_t i = 0; i < alone.size(); ++i) {
+    if (!start_.used[i] || std::abs(alone[i]) < kLeastActing * largest) continue;
     along.scalars.push_back(i);
-    along.at.push_back(by_variable[i] / one[i]), along.weight.push_back(one[i]);
+    along.at.push_back(by_variable[i] / alone[i]), along.weight.push_back(alone[i]);
   }
   return along;
 }
 
-// Of a variable, in ascending order.
-std::vector<double> TermLibrary::values_of(const Term& carrier, const std::string& variable) const {
-  std::vector<double> values;
-  if (vocabulary_.prefix.empty()) {
-    values = along(carrier, variable).at;
-  } else {
-    for (const FieldPlace& place : rows_.problem->field_places(base_, start_)) {
-      for (const Covariate& covariate : place.covariates) {
-        if (covariate.name == vocabulary_.prefix + variable) values = covariate.values;
-      }
+std::vector<double> TermLibrary::values_of(const std::string& variable,
+                                           const std::vector<FieldPlace>& places) const {
+  for (const FieldPlace& place : places) {
+    for (const Covariate& covariate : place.covariates) {
+      if (covariate.name == vocabulary_.prefix + variable) return covariate.values;
     }
   }
-  std::sort(values.begin(), values.end());
-  return values;
+  return {};
 }
 
-// Curves at places of a variable. Waves are but some, where best_wave cannot look at more.
-void TermLibrary::add_curves(const Term& carrier, const std::string& variable) {
-  const std::vector<double> values = values_of(carrier, variable);
+// Curves at places of a variable that has these values. Waves are but some, where best_wave cannot
+// look at more.
+void TermLibrary::add_curves(const Term& carrier, const std::string& variable,
+                             std::vector<double> values) {
+  std::sort(values.begin(), values.end());
   if (values.size() < kLeastForWaves || !(values.back() > values.front())) return;
   const double span = values.back() - values.front();
   const auto add = [&](Curve curve, std::vector<double> numbers) {

@@ -1,10 +1,8 @@
 // The terms that a formula may be made of, and how much each would take of what a model leaves.
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "measurement/fitting/assess.h"
@@ -37,6 +35,8 @@ class TermLibrary {
 
   // Observations of a variable where a carrier acts, and how much it does.
   struct Along {
+    Term carrier;
+    std::string variable;
     std::vector<size_t> scalars;
     std::vector<double> at, weight;
   };
@@ -53,12 +53,13 @@ class TermLibrary {
   void look_from(const Assessment& here);
   ByScalar beyond(ByScalar column) const;
   std::vector<Worth> worths() const;
-  Along along(const Term& carrier, const std::string& variable) const;
-  std::vector<double> values_of(const Term& carrier, const std::string& variable) const;
-  void add_curves(const Term& carrier, const std::string& variable);
+  Along along(const ByScalar& alone, const ByScalar& by_variable) const;
+  std::vector<double> values_of(const std::string& variable,
+                                const std::vector<FieldPlace>& places) const;
+  void add_curves(const Term& carrier, const std::string& variable, std::vector<double> values);
+  void add_terms();
   Term moved_to_the_best(Term term) const;
-  std::optional<Term> best_wave(const Term& carrier, const std::string& variable,
-                                double& gain) const;
+  std::optional<Term> best_wave(const Along& along, double& gain) const;
 
   const Model& base_;
   const Vocabulary& vocabulary_;
@@ -67,11 +68,10 @@ class TermLibrary {
   double share_ = 1;  // How many residuals there are for each that is looked at.
   Evaluation start_;  // Of the base.
   std::vector<Term> terms_;
-  std::vector<ByScalar> library_;          // Derivatives by each term's coefficient;
-  std::map<const Term*, ByScalar> alone_;  // by a carrier with 1 for the curve,
-  std::map<std::pair<const Term*, std::string>, ByScalar> times_;  // and with a variable.
-  std::vector<ByScalar> basis_;  // What the fitted parameters span, orthonormal.
-  ByScalar rest_;                // What they leave.
+  std::vector<ByScalar> library_;  // Derivatives by each term's coefficient.
+  std::vector<Along> along_;       // In which waves are looked for.
+  std::vector<ByScalar> basis_;    // What the fitted parameters span, orthonormal.
+  ByScalar rest_;                  // What they leave.
   double misfit_ = 1;
 };
 
