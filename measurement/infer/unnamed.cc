@@ -217,21 +217,20 @@ bool same_values(const Model& a, const Model& b) {
   });
 }
 
-// The cause beside an explanation, whose model may have another noise than its own; its lead is on
-// the last explanation.
+// The cause beside an explanation; its lead is on the last one. `other_noise` is its model with
+// another noise than its own.
 std::optional<UnnamedCause> cause_beside(const Problem& problem, const Explanation& explanation,
-                                         const Model& model, const Explanation& last,
-                                         std::vector<TriedFunction>* tried) {
+                                         const Explanation& last, std::vector<TriedFunction>* tried,
+                                         const Model* other_noise = nullptr) {
   double ahead = explanation.log_evidence - last.log_evidence;
   if (!std::isfinite(ahead)) return std::nullopt;
   const Assessment& assessment = *explanation.assessment;
-  const bool is_own = same_values(model, assessment.model);
-  if (&model != &assessment.model && is_own) return std::nullopt;
+  const Model& model = other_noise != nullptr ? *other_noise : assessment.model;
   Residuals residuals(problem.with_residuals(), model, assessment.unknowns);
   if (!residuals.valid()) return std::nullopt;
   std::optional<UnnamedCause> cause = residuals.best_cause(tried);
   if (!cause) return std::nullopt;
-  if (!is_own) {
+  if (other_noise != nullptr) {
     const Groups all = problem.all_groups();
     ahead += problem.score(model, all).log_likelihood -
              problem.score(assessment.model, all).log_likelihood;
@@ -253,12 +252,13 @@ std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
   std::vector<std::optional<UnnamedCause>> causes;
   for (const Explanation& explanation : explanations) {
     const bool is_last = &explanation == &last;
-    causes.push_back(cause_beside(problem, explanation, explanation.assessment->model, last,
-                                  is_last ? tried : nullptr));
+    causes.push_back(cause_beside(problem, explanation, last, is_last ? tried : nullptr));
     if (is_last || !causes.back()) continue;
     // Noise that is fitted takes what an explanation leaves, and hides a part of a cause.
-    const Model quiet = with_noise_of(explanation.assessment->model, last.assessment->model);
-    auto other = cause_beside(problem, explanation, quiet, last, nullptr);
+    const Model& own = explanation.assessment->model;
+    const Model quiet = with_noise_of(own, last.assessment->model);
+    if (same_values(quiet, own)) continue;
+    auto other = cause_beside(problem, explanation, last, nullptr, &quiet);
     if (other && other->lead > causes.back()->lead) causes.back() = std::move(other);
   }
   // What is too small to count beside the last makes no other explanation better than it.

@@ -249,9 +249,7 @@ class ModelLocomotion final : public LocomotionModel {
       turn += walk_.theta_sigma * draw(2);
     }
     state_ = {{.theta_rad = before_rad + turn}, state.followed};
-    const double C = maths::cos(from_.theta_rad + before_rad),
-                 S = maths::sin(from_.theta_rad + before_rad);
-    from_.x_m += C * dx - S * dy, from_.y_m += S * dx + C * dy, from_.path_m += state.path_m;
+    if (!walk_.formulas.empty()) go_on(from_.theta_rad + before_rad, dx, dy, state.path_m);
     return velocity_of_arc(dx, dy, turn, step.s());
   }
 
@@ -266,9 +264,16 @@ class ModelLocomotion final : public LocomotionModel {
   }
 
  private:
+  void go_on(double heading_rad, double ahead_m, double left_m, double path_m) {
+    const double c = maths::cos(heading_rad), s = maths::sin(heading_rad);
+    from_.x_m += c * ahead_m - s * left_m;
+    from_.y_m += s * ahead_m + c * left_m;
+    from_.path_m += path_m;
+  }
+
   std::string robot_;
   Locomotion walk_;
-  Place from_;  // On the field, but for what pushes the robot.
+  Place from_;  // On the field, but for what pushes the robot: kept for formulas alone.
   RandomStream noise_;
   WalkState state_;
 };

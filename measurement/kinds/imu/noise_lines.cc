@@ -17,14 +17,19 @@ constexpr size_t kMostCells = 600, kMostModes = 64;
 constexpr size_t kPowers = 4, kFlicker = 2;          // Of frequency, before the peaks.
 constexpr double kPeakWidths[] = {0.25, 0.5, 1, 2};  // Times that of the window that found it.
 
-std::vector<double> shapes_at(double omega, const std::vector<SpectralPeak>& peaks) {
+// Calls `take` with each shape's value there, in the order of their sizes.
+void each_shape_at(double omega, const std::vector<SpectralPeak>& peaks, const auto& take) {
   const double difference = 2 * std::sin(omega / 2);
-  std::vector<double> shapes = {difference * difference, 1, 1 / difference,
-                                1 / (difference * difference)};
+  take(difference * difference), take(1.0), take(1 / difference);
+  take(1 / (difference * difference));
   for (const SpectralPeak& peak : peaks) {
-    for (const double wide : kPeakWidths)
-      shapes.push_back(height_at({peak.omega, wide * peak.width}, omega));
+    for (const double wide : kPeakWidths) take(height_at({peak.omega, wide * peak.width}, omega));
   }
+}
+
+std::vector<double> shapes_at(double omega, const std::vector<SpectralPeak>& peaks) {
+  std::vector<double> shapes;
+  each_shape_at(omega, peaks, [&](double shape) { shapes.push_back(shape); });
   return shapes;
 }
 
@@ -278,15 +283,9 @@ std::vector<StretchMean> means_of(const ImuStretch& stretch, size_t axis, size_t
 }  // namespace
 
 double SmoothSpectrum::at(double omega) const {
-  const double difference = 2 * std::sin(omega / 2);
-  double sum = size[0] * difference * difference + size[1] + size[2] / difference +
-               size[3] / (difference * difference);
-  for (size_t j = kPowers; j < size.size(); ++j) {
-    const SpectralPeak& peak = peaks[(j - kPowers) / std::size(kPeakWidths)];
-    sum += size[j] *
-           height_at({peak.omega, kPeakWidths[(j - kPowers) % std::size(kPeakWidths)] * peak.width},
-                     omega);
-  }
+  double sum = 0;
+  size_t j = 0;
+  each_shape_at(omega, peaks, [&](double shape) { sum += size[j++] * shape; });
   return sum;
 }
 

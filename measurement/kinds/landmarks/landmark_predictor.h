@@ -21,6 +21,7 @@ class LandmarkPredictor {
       if (!effect.definition->detector) continue;
       spreads_last_ = spreads_last_ && (effect.definition->spread_only || !has_spreads_);
       has_spreads_ = has_spreads_ || effect.definition->spread_only;
+      has_formulas_ = has_formulas_ || !effect.definition->source.empty();
       detectors_.push_back(effect);
     }
     // Bearings are angles in the plane: of the mount's rotation only the yaw matters. The camera
@@ -44,7 +45,7 @@ class LandmarkPredictor {
                             .bearing_rad = maths::wrap_angle(std::atan2(left, ahead) - yaw_rad_),
                             .above_m = above,
                             .t_s = t};
-    if (!detectors_.empty()) {
+    if (has_formulas_) {
       const Walk& walk = data_.walks[data_.walk_of_row[row]];
       seen.speed_mps = c * walk.x.rate(t) + s * walk.y.rate(t);
       seen.turn_radps = walk.theta.rate(t);
@@ -88,6 +89,7 @@ class LandmarkPredictor {
   double yaw_rad_ = 0;
   std::vector<effects::ModelEffect> detectors_;
   bool spreads_last_ = true, has_spreads_ = false;
+  bool has_formulas_ = false;  // Which alone read how the robot moves.
 };
 
 // `seam measure` for this kind (landmarks_measure.cc).
