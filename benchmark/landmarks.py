@@ -52,6 +52,9 @@ def draw_effect(draw, name, noise):
             "bearing_offset_per_range": lambda: {"rad_per_m": draw.signed(0.5, 2) * noise["bearing_rad"]},
             "range_wander": lambda: {"sigma_m": draw.uniform(1, 3) * noise["range_m"], "tau_s": draw.uniform(0.5, 3)},
             "landmark_scatter": lambda: {"sigma_m": draw.uniform(1, 3) * noise["range_m"]},
+            "wall_excess": lambda: {"size_m": draw.uniform(3, 10) * noise["range_m"],
+                                    "direction_rad": draw.choice((0, math.pi / 2, draw.uniform(0, math.pi / 2))),
+                                    "at_m": draw.signed(0.6, 1.6), "reach_m": draw.uniform(0.25, 0.8)},
             "rotating mirror": lambda: {"m": draw.uniform(1.5, 4) * noise["range_m"], "a_turn": draw.choice((2, 3)),
                                         "phase_rad": draw.uniform(-3, 3)},
             "warming": lambda: {"m": draw.signed(3, 8) * noise["range_m"], "time_s": draw.uniform(10, 25)}}.get(
@@ -62,6 +65,12 @@ def speed_at(way, times):
     """By differences over a tenth of a second."""
     (xa, ya, _), (xb, yb, _) = way(times - 0.05), way(times + 0.05)
     return np.hypot(xb - xa, yb - ya) / 0.1
+
+
+def excess_at(wall, x, y):
+    """A bump of ranges over the distance to a wall."""
+    away = (np.cos(wall["direction_rad"]) * x + np.sin(wall["direction_rad"]) * y - wall["at_m"]) / wall["reach_m"]
+    return wall["size_m"] * np.exp(-away ** 2 / 2)
 
 
 def observed(effects, way, times, which, places):
@@ -75,6 +84,8 @@ def observed(effects, way, times, which, places):
     bearing = wrapped(np.arctan2(dy, dx) - theta - effects.get("mount_misalignment", {}).get("yaw_rad", 0))
     seen = distance * (1 + effects.get("range_scale", {}).get("scale", 0))
     seen = seen + effects.get("range_offset", {}).get("offset_m", 0)
+    if "wall_excess" in effects:
+        seen = seen + excess_at(effects["wall_excess"], x, y)
     mirror, warming = effects.get("rotating mirror"), effects.get("warming")
     if mirror:
         seen = seen + mirror["m"] * np.sin(mirror["a_turn"] * bearing + mirror["phase_rad"])

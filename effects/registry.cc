@@ -90,6 +90,7 @@
   X(quantisation)             \
   X(ideal_detector)           \
   X(landmark_height)          \
+  X(wall_excess)              \
   X(range_depth)              \
   X(range_scale)              \
   X(range_offset)             \

@@ -181,7 +181,9 @@ Quantities sensor_outcome(const Model& model, const Quantities& given) {
 Quantities detector_outcome(const Model& model, const Quantities& given) {
   Detection seen{.range_m = value_of(given, "range_m"),
                  .bearing_rad = value_of(given, "bearing_rad"),
-                 .above_m = value_of(given, "above_m")};
+                 .above_m = value_of(given, "above_m"),
+                 .x_m = value_of(given, "x_m"),
+                 .y_m = value_of(given, "y_m")};
   apply_detector(model, seen);
   const Noise noise = noise_of(model);
   const double lag_s = value_of(given, "lag_s");

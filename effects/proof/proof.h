@@ -22,7 +22,7 @@
 //   sensor       light [0.5], exposure_s [0.01], exposure_ratio [1], channel [1: green], u_px, v_px
 //                -> mean_dn, variance_dn2 (in time), row_variance_dn2, pattern_mean_dn,
 //                pattern_variance_dn2, wave_dn; value_dn -> file_dn; with gain_dn 200, black_dn 8
-//   detector     range_m, bearing_rad, above_m [0]
+//   detector     range_m, bearing_rad, above_m [0]; x_m, y_m [0] of the detector
 //                -> range_m, bearing_rad, range_sigma_m, bearing_sigma_rad;
 //                lag_s [0] -> range_covariance_m2, bearing_covariance_rad2 of one landmark's
 //                errors, heading_covariance_rad2; tail_mean_m, tail_variance_m2; place_sigma_m,

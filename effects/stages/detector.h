@@ -10,9 +10,10 @@
 namespace seam::effects {
 
 struct Detection {
-  double range_m = 0;      // True on entry, reported on return.
-  double bearing_rad = 0;  // From the camera's axis, left positive.
-  double above_m = 0;      // How far the landmark lies above the detector, as far as the set says.
+  double range_m = 0;       // True on entry, reported on return.
+  double bearing_rad = 0;   // From the camera's axis, left positive.
+  double above_m = 0;       // How far the landmark lies above the detector, as far as the set says.
+  double x_m = 0, y_m = 0;  // Where the detector is, in the frame of the map.
   // The robot's own, along its heading and to the left; 0 where it stands.
   double speed_mps = 0;
   double turn_radps = 0;

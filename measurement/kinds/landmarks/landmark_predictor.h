@@ -44,6 +44,8 @@ class LandmarkPredictor {
     effects::Detection seen{.range_m = std::hypot(std::hypot(ahead, left), above),
                             .bearing_rad = maths::wrap_angle(std::atan2(left, ahead) - yaw_rad_),
                             .above_m = above,
+                            .x_m = pose.x_m + c * X_LC_.p.x - s * X_LC_.p.y,
+                            .y_m = pose.y_m + s * X_LC_.p.x + c * X_LC_.p.y,
                             .t_s = t};
     if (has_formulas_) {
       const Walk& walk = data_.walks[data_.walk_of_row[row]];

@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "measurement/kinds/kinds.h"
+#include "measurement/kinds/landmarks/landmark_findings.h"
 #include "measurement/kinds/landmarks/landmark_noise.h"
 #include "measurement/kinds/landmarks/landmark_predictor.h"
+#include "measurement/kinds/landmarks/landmark_starts.h"
 #include "measurement/noise/low_rank.h"
 #include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
@@ -60,6 +62,18 @@ class LandmarksProblem : public Problem {
 
   Evaluation evaluate(const Model& model, const Groups& groups, const Evaluation*) const override;
   std::vector<Finding> findings(const Model& model) const override;
+  std::vector<std::vector<double>> starts(const Model& model,
+                                          const EffectDefinition& effect) const override {
+    if (!has_shapes(effect)) return Problem::starts(model, effect);
+    return best_shape(folds().size() == 1 ? training_groups() : all_groups(), model, effect);
+  }
+  std::vector<std::vector<double>> starts_on(const Groups& groups, const Model& model,
+                                             const EffectDefinition& effect,
+                                             const EffectList& companions) const override {
+    if (!has_shapes(effect)) return Problem::starts_on(groups, model, effect, companions);
+    return best_shape(groups, model, effect);
+  }
+  double looks(const Model& model, const EffectDefinition& effect) const override;
 
  private:
   // Whether no row would be another one at another time.
@@ -92,6 +106,15 @@ class LandmarksProblem : public Problem {
                                             const std::vector<CommonSlopes>& common) const;
   std::vector<CommonSlopes> slopes_by_parameters(const Model& model, const Evaluation& here) const;
   bool sees_from_sides() const;
+  bool has_shapes(const EffectDefinition& effect) const;
+  std::vector<std::vector<double>> best_shape(const Groups& groups, const Model& model,
+                                              const EffectDefinition& effect) const;
+  std::vector<effects::Detection> predictions(const Model& model) const {
+    const LandmarkPredictor predictor(data_, model);
+    std::vector<effects::Detection> all;
+    for (size_t row = 0; row < data_.stamp_s.size(); ++row) all.push_back(predictor.detect(row));
+    return all;
+  }
   void whiten_frames(const LandmarkPredictor& predictor, const Groups& groups,
                      Evaluation& evaluation) const;
 
@@ -236,45 +259,6 @@ std::vector<CommonSlopes> LandmarksProblem::slopes_by_parameters(const Model& mo
   return all;
 }
 
-namespace {
-
-// A landmark that lies clearly off its place in the map.
-std::optional<Finding> misplaced(const std::string& name, const Displacement& found) {
-  constexpr double kClear2 = 20;  // Chi-square of two: 5e-5 of all landmarks by chance.
-  const double x = found.mean_m[0], y = found.mean_m[1], size = std::hypot(x, y);
-  const auto [xx, yy, xy] = found.covariance_m2;
-  const double chi2 = (yy * x * x - 2 * xy * x * y + xx * y * y) / (xx * yy - xy * xy);
-  if (!(chi2 > kClear2)) return std::nullopt;
-  const double along = std::sqrt(xx * x * x + 2 * xy * x * y + yy * y * y) / size;
-  return Finding{
-      .what = "landmark",
-      .name = name,
-      .values = {{"distance_m", size},
-                 {"sigma_m", along},
-                 {"dx_m", x},
-                 {"dy_m", y},
-                 {"dx_sigma_m", std::sqrt(xx)},
-                 {"dy_sigma_m", std::sqrt(yy)}},
-      .text = fmt::format("landmark {} lies {:.3g} +- {:.2g} cm from where the map says (x "
-                          "{:+.3g} cm, y {:+.3g} cm)",
-                          name, 100 * size, 100 * along, 100 * x, 100 * y)};
-}
-
-// A landmark whose ranges are clearly too long or too short.
-std::optional<Finding> delayed(const std::string& name, const Displacement& found) {
-  constexpr double kClear = 4;  // Sigmas: 6e-5 of all landmarks by chance.
-  const double sigma_m = std::sqrt(found.delay_variance_m2);
-  if (!(std::abs(found.delay_m) > kClear * sigma_m)) return std::nullopt;
-  return Finding{.what = "landmark",
-                 .name = name,
-                 .values = {{"delay_m", found.delay_m}, {"delay_sigma_m", sigma_m}},
-                 .text = fmt::format("ranges of landmark {} are too {} by {:.3g} +- {:.2g} cm",
-                                     name, found.delay_m > 0 ? "long" : "short",
-                                     100 * std::abs(found.delay_m), 100 * sigma_m)};
-}
-
-}  // namespace
-
 // Landmarks with clear errors of their own.
 std::vector<Finding> LandmarksProblem::findings(const Model& model) const {
   const effects::Noise noise = effects::noise_of(model);
@@ -284,16 +268,23 @@ std::vector<Finding> LandmarksProblem::findings(const Model& model) const {
   Evaluation evaluation = each_by_itself(model, predictor, all, nullptr);
   const auto displacements =
       whiten_together(model, predictor, all, evaluation, slopes_by_parameters(model, evaluation));
-  std::vector<Finding> findings;
-  for (size_t k = 0; k < displacements.size(); ++k) {
-    for (const auto& found :
-         {noise.place_variance > 0 ? misplaced(data_.landmarks[k], displacements[k]) : std::nullopt,
-          noise.delay_variance > 0 ? delayed(data_.landmarks[k], displacements[k])
-                                   : std::nullopt}) {
-      if (found) findings.push_back(*found);
-    }
-  }
-  return findings;
+  return found_of(data_.landmarks, noise, displacements);
+}
+
+bool LandmarksProblem::has_shapes(const EffectDefinition& effect) const {
+  return effects::start_rule(effect, facts_.set.kind).search == effects::StartSearch::shapes;
+}
+
+std::vector<std::vector<double>> LandmarksProblem::best_shape(
+    const Groups& groups, const Model& model, const EffectDefinition& effect) const {
+  return landmark_shape(data_, predictions(model), evaluate(model, groups, nullptr), effect,
+                        effects::start_rule(effect, facts_.set.kind).values);
+}
+
+double LandmarksProblem::looks(const Model& model, const EffectDefinition& effect) const {
+  if (!has_shapes(effect)) return Problem::looks(model, effect);
+  return shapes_that_act(predictions(model), effect,
+                         effects::start_rule(effect, facts_.set.kind).values);
 }
 
 // Whether some landmark is seen from sides that lie clearly apart: from one side alone, a range
