@@ -21,6 +21,10 @@ JointAngles joints_from(const v1::JointAngles& wire) {
   return joints;
 }
 
+Vector3d vector_from(const v1::Vector3& wire) {
+  return {wire.x(), wire.y(), wire.z()};
+}
+
 Frame frame_from(const v1::Frame& wire) {
   Frame frame{wire.index(),
               wire.stamp_ns(),
@@ -47,8 +51,9 @@ Observation from_wire(const v1::Observation& wire) {
   sensors.joints = joints_from(from.joints());
   for (const v1::JointAngles& joints : from.joint_log())
     sensors.joint_log.push_back(joints_from(joints));
-  const v1::Vector3& acceleration = from.acceleration_m_s2();
-  sensors.acceleration_m_s2 = {acceleration.x(), acceleration.y(), acceleration.z()};
+  sensors.acceleration_m_s2 = vector_from(from.acceleration_m_s2());
+  if (from.has_angular_velocity_rad_s())
+    sensors.angular_velocity_rad_s = vector_from(from.angular_velocity_rad_s());
   sensors.odometry = {from.odometry().x_m(), from.odometry().y_m(), from.odometry().heading_rad()};
   for (int i = 0; i < from.paw_contact_size() && i < 4; ++i)
     sensors.paw_contact[i] = from.paw_contact(i);

@@ -44,6 +44,7 @@ struct Sensors {
   JointAngles joints;
   std::vector<JointAngles> joint_log;  // All encoder readings since the last observation.
   Vector3d acceleration_m_s2;          // In the body's frame, gravity included.
+  std::optional<Vector3d> angular_velocity_rad_s;  // As its gyroscope reads; none: it has none.
   Odometry odometry;
   std::array<bool, 4> paw_contact{};  // Left front, right front, left rear, right rear.
 };

@@ -33,7 +33,7 @@ PAYLOADS = {rpc.DOUBLE: "doubles", rpc.INT32: "int32s", rpc.INT64: "int64s", rpc
 
 def scenario(*robots, behaviour="", more=""):
     return one_robot.turns_of(SOURCE, "learning", *robots, behaviour=behaviour,
-                              more="    sensors: {accelerometer: {sigma: 0.01}}\n" + more)
+                              more="    sensors: {accelerometer: {sigma: 0.01}, gyroscope: {sigma: 0.01}}\n" + more)
 
 
 class Refused(Exception):

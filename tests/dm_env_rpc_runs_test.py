@@ -73,7 +73,7 @@ class Runs(Case):
 
     def test_the_same_seed_gives_the_same_and_each_sequence_has_the_next(self):
         agent = self.agent(seed(30))
-        names = ["acceleration_m_s2", "odometry.x_m", "joint_log.time_ns", "joint_log.pan_rad"]
+        names = ["acceleration_m_s2", "angular_velocity_rad_s", "odometry.x_m", "joint_log.time_ns", "joint_log.pan_rad"]
         first, second = self.play(agent, names), self.play(agent, names)
         self.assertNotEqual(first, second)
         agent.ask(reset=rpc.ResetRequest(settings=seed(30)))

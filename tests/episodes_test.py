@@ -21,7 +21,7 @@ sys.path.insert(0, str(BUILD / "python"))
 import seam_sdk  # noqa: E402
 
 SEAM = BUILD / "seam"
-SCENARIO = one_robot.turns_of(SOURCE, "episodes", "r0", duration_s=0.6)
+SCENARIO = one_robot.turns_of(SOURCE, "episodes", "r0", duration_s=0.6, more="    sensors: {gyroscope: {sigma: 0.01}}\n")
 
 
 class Episodes(unittest.TestCase):
@@ -82,6 +82,7 @@ class Episodes(unittest.TestCase):
             self.assertEqual(column["joints.pan_rad"].tolist(), [now.sensors.joints.pan_rad for now in seen])
             self.assertEqual(column["odometry.x_m"].tolist(), [now.sensors.odometry.x_m for now in seen])
             self.assertEqual(column["acceleration.z_m_s2"].tolist(), [now.sensors.acceleration_m_s2[2] for now in seen])
+            self.assertEqual(column["angular_velocity.x_rad_s"].tolist(), [now.sensors.angular_velocity_rad_s[0] for now in seen])
             # Orders hold until there are others.
             orders = dict(zip(action, rows["action"].T))
             pan = seen[0].sensors.joints.pan_rad

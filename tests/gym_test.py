@@ -34,6 +34,15 @@ class OneRobot(Gym):
         with self.assertRaisesRegex(seam_sdk.SeamError, "the run is over: reset"):
             env.step(wave(0))
 
+    def test_a_gyroscope_where_the_scenario_names_one(self):
+        with self.assertRaisesRegex(ValueError, "a robot without a gyroscope, expected `gyroscope: {}` under its `sensors`"):
+            self.env(observe=["angular_velocity"]).reset(seed=1)
+        with (self.here / "one.yaml").open("a") as scenario:
+            scenario.write("    sensors: {gyroscope: {}}\n")
+        for seen, _, _, _, info in self.play(self.env(observe=["angular_velocity"]), 3):
+            self.assertEqual(seen["angular_velocity"].tolist(), np.float32(info["seen"].sensors.angular_velocity_rad_s).tolist())
+        self.assertTrue(seen["angular_velocity"].any())
+
     def test_seeds_give_the_same_bits(self):
         env = self.env(observe=["joints", "frame"])
         first, again, other = self.play(env, 3), self.play(env, 3), self.play(env, 4)

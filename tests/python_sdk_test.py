@@ -116,6 +116,46 @@ open({str(notes)!r}, "w").write(json.dumps(felt))
         self.assertEqual({round(value, 9) for value in axes[2]}, {9.9})
         self.seam("replay", "verify", log)
 
+    def test_a_gyroscope_with_effects(self):
+        """Over real gRPC a robot that turns reads its turn, with what the model's effects make of it; one without a gyroscope reads none."""
+        notes = self.here / "notes.json"
+        program = self.program(f"""
+robot = seam_sdk.Robot()
+read = []
+for seen in robot.observations():
+    robot.walk(omega_rad_s=0.5)
+    read.append((seen.sensors.angular_velocity_rad_s, seen.sensors.acceleration_m_s2))
+if robot.name == "r0":
+    open({str(notes)!r}, "w").write(json.dumps(read))
+else:
+    assert read and not any(rate for rate, _ in read), read
+""")
+        effects = ("  gyro_bias: {x_radps: 0.3}\n  gyro_scale: {z_scale: 0.1}\n  gyro_g_sensitivity: {z_radps_mps2: 0.02}\n"
+                   "  gyro_white_noise: {x_radps_rthz: 0.002}\n")
+        lens = (SOURCE / "models" / "ers210.yaml").read_text()
+        self.write(lens + ("" if lens.endswith("\n") else "\n") + effects, "turned.yaml")
+        text = scenario(f"{BY_GRPC}, {program}", robots=2, duration_s=8)
+        text = text.replace("    behaviour:", "    sensors: {gyroscope: {period_s: 0.008}}\n    behaviour:", 1)
+        self.run_json(self.write(text))
+        readings = json.loads(notes.read_text())[50:]  # From then on its walk is steady.
+        true, force = (list(zip(*sensor)) for sensor in zip(*readings))
+        log = self.here / "turned.mcap"
+        self.run_json(self.write(text.replace(f"{SOURCE}/models/ers210.yaml", "turned.yaml")), "--log", log)
+        read = list(zip(*(rate for rate, _ in json.loads(notes.read_text())[50:])))
+        count = len(true[0])
+        self.assertGreater(count, 150)
+        mean_of = lambda values: sum(values) / count
+        self.assertAlmostEqual(mean_of(true[2]), 0.5, delta=0.01)
+        for was, felt, now in zip(true[2], force[2], read[2]):
+            self.assertAlmostEqual(now, 1.1 * was + 0.02 * felt, places=12)
+        self.assertAlmostEqual(mean_of(force[2]), 9.8, delta=0.1)
+        white = 0.002 / math.sqrt(0.008)  # Of a sample, by its density.
+        errors = [now - was for was, now in zip(true[0], read[0])]
+        self.assertAlmostEqual(mean_of(errors), 0.3, delta=4 * white / math.sqrt(count))
+        spread = math.sqrt(mean_of([(error - mean_of(errors)) ** 2 for error in errors]))
+        self.assertAlmostEqual(spread / white, 1, delta=4 / math.sqrt(2 * count))
+        self.seam("replay", "verify", log)
+
     def test_what_a_robot_is_told_and_tells(self):
         """Two robots talk by radio; r0 walks and looks, and writes down what it got."""
         notes = self.here / "notes.json"

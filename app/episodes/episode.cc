@@ -35,6 +35,10 @@ EpisodeKind kind_of(const RobotSpec& robot, bool with_frames) {
                                        {"acceleration.x_m_s2", "m/s^2"},
                                        {"acceleration.y_m_s2", "m/s^2"},
                                        {"acceleration.z_m_s2", "m/s^2"}});
+  if (robot.sensors.gyroscope)
+    kind.state.insert(kind.state.end(), {{"angular_velocity.x_rad_s", "rad/s"},
+                                         {"angular_velocity.y_rad_s", "rad/s"},
+                                         {"angular_velocity.z_rad_s", "rad/s"}});
   kind.action.insert(kind.action.end(), {{"walk.vx_m_s", "m/s"},
                                          {"walk.vy_m_s", "m/s"},
                                          {"walk.omega_rad_s", "rad/s"},
@@ -61,6 +65,8 @@ class Watcher final : public scheduler::SimulationObserver {
     for (const double value :
          {sensors.odometry.x_m, sensors.odometry.y_m, sensors.odometry.theta_rad, a.x, a.y, a.z})
       state.push_back(value);
+    if (const auto& rate = sensors.angular_velocity_rad_s)
+      state.insert(state.end(), {rate->x, rate->y, rate->z});
     // Before the first order a joint is asked to stay where it is.
     if (targets_.empty())
       targets_.assign(sensors.joints.rad.begin(), sensors.joints.rad.begin() + joints_);

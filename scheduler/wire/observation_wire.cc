@@ -19,15 +19,20 @@ void joints_to(const RobotSensors& sensors, const JointReading& reading, v1::Joi
   wire.mutable_legs_rad()->Add(joints_rad.begin() + kHeadJoints, joints_rad.begin() + kJoints);
 }
 
+void vector_to(const Vec3& vector, v1::Vector3& wire) {
+  wire.set_x(vector.x);
+  wire.set_y(vector.y);
+  wire.set_z(vector.z);
+}
+
 void sensors_to(const Observation& observation, v1::Sensors& wire) {
   const RobotSensors& reading = observation.sensors;
   joints_to(reading, reading.joints, *wire.mutable_joints());
   for (const JointReading& joints : reading.joint_log)
     joints_to(reading, joints, *wire.add_joint_log());
-  v1::Vector3& acceleration = *wire.mutable_acceleration_m_s2();
-  acceleration.set_x(reading.acceleration_m_s2.x);
-  acceleration.set_y(reading.acceleration_m_s2.y);
-  acceleration.set_z(reading.acceleration_m_s2.z);
+  vector_to(reading.acceleration_m_s2, *wire.mutable_acceleration_m_s2());
+  if (reading.angular_velocity_rad_s)
+    vector_to(*reading.angular_velocity_rad_s, *wire.mutable_angular_velocity_rad_s());
   v1::Pose2& odometry = *wire.mutable_odometry();
   odometry.set_x_m(reading.odometry.x_m);
   odometry.set_y_m(reading.odometry.y_m);

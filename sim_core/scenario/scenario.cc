@@ -75,6 +75,20 @@ void describe_sensor(ConfigTable& table, SensorSpec& sensor) {
   table.number({"sigma", "One sigma of its noise, in the sensor's unit."}, sensor.sigma, {0, 100});
 }
 
+// Robots have one where it is named.
+void describe_gyroscope(ConfigTable& table, std::optional<SensorSpec>& gyroscope) {
+  if (table.writes() && !gyroscope) return;
+  table.object(
+      {"gyroscope", "rad/s; a robot has one where this is there, `{}` at least."},
+      [&](ConfigTable& t) {
+        SensorSpec sensor = gyroscope.value_or(SensorSpec{});
+        bool present = true;
+        t.boolean({"present", "False: this robot has none, whatever others have."}, present);
+        describe_sensor(t, sensor);
+        gyroscope = present ? std::optional(sensor) : std::nullopt;
+      });
+}
+
 void describe_sensors(ConfigTable& table, SensorsSpec& sensors) {
   table.object({"joints", "Joint encoders, rad."},
                [&](ConfigTable& t) { describe_sensor(t, sensors.joints); });
@@ -83,6 +97,7 @@ void describe_sensors(ConfigTable& table, SensorsSpec& sensors) {
       [&](ConfigTable& t) { describe_sensor(t, sensors.odometry); });
   table.object({"accelerometer", "m/s^2."},
                [&](ConfigTable& t) { describe_sensor(t, sensors.accelerometer); });
+  describe_gyroscope(table, sensors.gyroscope);
   table.object({"paws", "Paw contacts; sigma is the chance of a wrong reading."},
                [&](ConfigTable& t) { describe_sensor(t, sensors.paws); });
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -71,10 +72,11 @@ struct SensorSpec {
 };
 
 struct SensorsSpec {
-  SensorSpec joints;         // rad
-  SensorSpec odometry;       // Relative: sigma per root metre (and per root radian).
-  SensorSpec accelerometer;  // m/s^2
-  SensorSpec paws;           // Contact switches: sigma is the chance of a wrong reading.
+  SensorSpec joints;                    // rad
+  SensorSpec odometry;                  // Relative: sigma per root metre (and per root radian).
+  SensorSpec accelerometer;             // m/s^2
+  std::optional<SensorSpec> gyroscope;  // rad/s
+  SensorSpec paws;                      // Contact switches: sigma is the chance of a wrong reading.
 };
 
 // A joint with a model of its own.

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "sim_core/base/maths.h"
 #include "sim_core/world/radio.h"
 #include "sim_core/world/referee.h"
 #include "sim_core/world/world.h"
@@ -219,6 +220,64 @@ TEST(Sensors, ReadingsKeepTheirClockLatencyAndNoise) {
   EXPECT_NEAR(sum / count, 0, 4 * 0.01 / std::sqrt(count));
   EXPECT_NEAR(std::sqrt(squares / count), 0.01, 4 * 0.01 / std::sqrt(2.0 * count));
   EXPECT_NEAR(gravity / count, 9.81, 4 * 0.3 / std::sqrt(0.8 * count));
+}
+
+// Turn by turn, its readings add up to where the body has turned, on its paws as on the ground.
+TEST(Sensors, AGyroscopesReadingsAddUpToTheTurn) {
+  Scenario s = rules_match();
+  s.robots.resize(1);
+  s.referee.enabled = false;
+  s.robots[0].sensors.gyroscope = SensorSpec{.period = s.step};
+  World world(s);
+  RobotCommand command;
+  command.walk = BodyVelocity{0.1, 0.02, 0.9};
+  world.apply(0, command, SimTime());
+  for (int i = 0; i < 50; ++i) world.step();
+  const Mat3 before = world.robot(0, world.end()).X_WB.R;
+  Mat3 added(1.0);
+  double most_tilting = 0;
+  for (int i = 0; i < 100; ++i) {
+    world.step();
+    const RobotSensors seen = world.sensors(0, world.end(), world.start());
+    EXPECT_EQ(seen.angular_velocity_time, world.end());
+    const Vec3 rate = seen.angular_velocity_rad_s.value();
+    const double size = glm::length(rate);
+    added = added * rotation_about(rate / size, size * s.step.s());
+    most_tilting = std::max(most_tilting, maths::length(rate.x, rate.y));
+  }
+  const Mat3 expected = glm::transpose(before) * world.robot(0, world.end()).X_WB.R;
+  for (int i = 0; i < 3; ++i) EXPECT_LT(glm::length(added[i] - expected[i]), 1e-11) << i;
+  EXPECT_GT(most_tilting, 0.1);                      // It sways as it walks,
+  EXPECT_NEAR(expected[0].y, std::sin(0.72), 0.05);  // and turns by 0.9 rad/s in 0.8 s.
+}
+
+TEST(Sensors, ARobotHasAGyroscopeWhereTheScenarioNamesOne) {
+  const std::string text =
+      "format: seam-scenario/1\nduration_s: 1\nrobot_defaults:\n  body: " + kRulesSource +
+      "/models/robot_ers210.yaml\n  sensors: {gyroscope: {period_s: 0.016, sigma: 0.3}}\n"
+      "robots:\n  - {id: a, team: red, pose: {x_m: 0, y_m: 0}}\n"
+      "  - {id: b, team: red, pose: {x_m: 1, y_m: 0}, sensors: {gyroscope: {present: false}}}\n";
+  const Scenario s = Scenario::from_text(text, "scenario");
+  EXPECT_EQ(Scenario::from_text(s.to_yaml(), "copy").to_yaml(), s.to_yaml());
+  World world(s);
+  double squares = 0;
+  constexpr int kReadings = 1000;
+  for (int i = 0; i < 2 * kReadings; ++i) {
+    world.step();
+    const RobotSensors seen = world.sensors(0, world.end(), world.start());
+    EXPECT_EQ(seen.angular_velocity_time.ns() % 16'000'000, 0);
+    if (i % 2 == 0) squares += glm::dot(*seen.angular_velocity_rad_s, *seen.angular_velocity_rad_s);
+    EXPECT_FALSE(world.sensors(1, world.end(), world.start()).angular_velocity_rad_s);
+  }
+  EXPECT_NEAR(std::sqrt(squares / (3 * kReadings)), 0.3, 4 * 0.3 / std::sqrt(6.0 * kReadings));
+  // What others have in their states and logs stays as it was without gyroscopes.
+  for (const StateSection& section : world.sections()) {
+    for (const StateSection::Field& field : section.fields)
+      EXPECT_EQ(field.name.find("angular_velocity") != std::string::npos,
+                section.name.find("/a") != std::string::npos &&
+                    field.name.starts_with("angular_velocity"))
+          << section.name << " " << field.name;
+  }
 }
 
 TEST(Sensors, AskingNeverChangesTheWorld) {

@@ -5,6 +5,7 @@
 
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
+#include "sim_core/world/world.h"
 
 namespace seam {
 namespace {
@@ -36,10 +37,70 @@ bool samples_at(const SensorSpec& sensor, SimTime time) {
 
 }  // namespace
 
-SensorSuite::SensorSuite(const RobotSpec& robot, SimDuration memory, RandomStream stream,
-                         std::shared_ptr<const ForceReading> force)
-    : spec_(&robot.sensors), memory_(memory), stream_(stream), force_(std::move(force)) {
-  if (force_) force_state_ = force_->first_state();
+constexpr SensorSuite::InertialSensor::Names SensorSuite::InertialSensor::kAccelerometer = {
+    "accelerometer",  "acceleration_readings", "acceleration_time",  "acceleration_x",
+    "acceleration_y", "acceleration_z",        "accelerometer_state"};
+constexpr SensorSuite::InertialSensor::Names SensorSuite::InertialSensor::kGyroscope = {
+    "gyroscope",          "angular_velocity_readings", "angular_velocity_time",
+    "angular_velocity_x", "angular_velocity_y",        "angular_velocity_z",
+    "gyroscope_state"};
+
+SensorSuite::InertialSensor::InertialSensor(const SensorSpec& spec, const Names& names,
+                                            Vec3 BodyMotion::*measured,
+                                            std::shared_ptr<const InertialReading> effects)
+    : spec_(&spec),
+      names_(&names),
+      measured_(measured),
+      effects_(std::move(effects)),
+      readings_(1) {
+  if (effects_) effects_state_ = effects_->first_state();
+}
+
+void SensorSuite::InertialSensor::sample(SimTime time, const BodyMotion& motion,
+                                         const RandomStream& noise_of_all) {
+  if (!samples_at(*spec_, time)) return;
+  const RandomStream noise =
+      noise_of_all.child(names_->sensor).child(static_cast<uint64_t>(time.ns()));
+  BodyMotion noisy = motion;
+  Vec3& value = noisy.*measured_;
+  const double sigma = spec_->sigma;
+  if (sigma > 0) value += sigma * Vec3(normal(noise, 0), normal(noise, 1), normal(noise, 2));
+  readings_.push_back({time, effects_ ? effects_->reading(noisy, time, effects_state_) : value});
+}
+
+const SensorSuite::Triad& SensorSuite::InertialSensor::newest_at(SimTime time) const {
+  return newest(readings_, spec_->latency, time, kTime);
+}
+
+void SensorSuite::InertialSensor::forget_old(SimTime time) {
+  forget(readings_, spec_->latency, time, kTime);
+}
+
+void SensorSuite::InertialSensor::visit_readings(StateVisitor& visitor) {
+  readings_.resize(visitor.list_size(names_->readings, readings_.size()));
+  for (Triad& reading : readings_) {
+    visitor.field(names_->time, reading.time);
+    visitor.field(names_->x, reading.value.x);
+    visitor.field(names_->y, reading.value.y);
+    visitor.field(names_->z, reading.value.z);
+  }
+  if (readings_.empty()) throw InputError("snapshot: a sensor without readings");
+}
+
+void SensorSuite::InertialSensor::visit_effects(StateVisitor& visitor) {
+  for (double& part : effects_state_) visitor.field(names_->effects_state, part);
+}
+
+SensorSuite::SensorSuite(const RobotSpec& robot, SimDuration memory, const RandomStream& stream,
+                         const RobotPartsFactory& parts)
+    : spec_(&robot.sensors),
+      memory_(memory),
+      stream_(stream.child("sensors")),
+      accelerometer_(spec_->accelerometer, InertialSensor::kAccelerometer, &BodyMotion::force_mps2,
+                     parts.accelerometer(robot, stream.child("accelerometer_effects"))) {
+  if (spec_->gyroscope)
+    gyroscope_.emplace(*spec_->gyroscope, InertialSensor::kGyroscope, &BodyMotion::rate_radps,
+                       parts.gyroscope(robot, stream.child("gyroscope_effects")));
   const KinematicTree& tree = robot.body.tree;
   if (tree.present()) {
     tree_joints_ = static_cast<int>(tree.joint_count());
@@ -47,15 +108,15 @@ SensorSuite::SensorSuite(const RobotSpec& robot, SimDuration memory, RandomStrea
   }
   joints_.resize(1);
   odometry_.resize(1);
-  accelerations_.resize(1);
   paws_.resize(1);
   joints_[0].time = SimTime::from_ns(-(int64_t{1} << 60));  // Before any log.
 }
 
 std::vector<SimTime> SensorSuite::sampling_times(SimTime after, SimTime until) const {
   std::vector<SimTime> times;
-  for (const SensorSpec* sensor :
-       {&spec_->joints, &spec_->odometry, &spec_->accelerometer, &spec_->paws}) {
+  for (const SensorSpec* sensor : {&spec_->joints, &spec_->odometry, &spec_->accelerometer,
+                                   &spec_->paws, gyroscope_ ? &gyroscope_->spec() : nullptr}) {
+    if (!sensor) continue;
     const int64_t period = sensor->period.ns(), first = sensor->phase.ns();
     int64_t tick =
         after.ns() < first ? first : first + ((after.ns() - first) / period + 1) * period;
@@ -93,14 +154,8 @@ void SensorSuite::sample(SimTime time, const SensorTruth& truth) {
                          {now.x_m + odometry_error_.x_m, now.y_m + odometry_error_.y_m,
                           maths::wrap_angle(now.theta_rad + odometry_error_.theta_rad)}});
   }
-  if (samples_at(spec_->accelerometer, time)) {
-    const RandomStream noise = stream_.child("accelerometer").child(tick);
-    Vec3 value = truth.specific_force_B;
-    const double sigma = spec_->accelerometer.sigma;
-    if (sigma > 0) value += sigma * Vec3(normal(noise, 0), normal(noise, 1), normal(noise, 2));
-    if (force_) value = force_->reading(value, time, force_state_);
-    accelerations_.push_back({time, value});
-  }
+  accelerometer_.sample(time, truth.motion_B, stream_);
+  if (gyroscope_) gyroscope_->sample(time, truth.motion_B, stream_);
   if (samples_at(spec_->paws, time)) {
     Paws reading{time, truth.paw_contact};
     const RandomStream noise = stream_.child("paws").child(tick);
@@ -115,7 +170,8 @@ void SensorSuite::sample(SimTime time, const SensorTruth& truth) {
 
 void SensorSuite::forget_old(SimTime time) {
   forget(odometry_, spec_->odometry.latency, time, kTime);
-  forget(accelerations_, spec_->accelerometer.latency, time, kTime);
+  accelerometer_.forget_old(time);
+  if (gyroscope_) gyroscope_->forget_old(time);
   forget(paws_, spec_->paws.latency, time, kTime);
   forget(joints_, spec_->joints.latency + memory_, time, kTime);
 }
@@ -133,21 +189,18 @@ RobotSensors SensorSuite::read(SimTime time, SimTime since) const {
   const Odometry& odometry = newest(odometry_, spec_->odometry.latency, time, kTime);
   sensors.odometry_time = odometry.time;
   sensors.odometry = odometry.value;
-  const Acceleration& acceleration =
-      newest(accelerations_, spec_->accelerometer.latency, time, kTime);
+  const Triad& acceleration = accelerometer_.newest_at(time);
   sensors.acceleration_time = acceleration.time;
   sensors.acceleration_m_s2 = acceleration.value;
+  if (gyroscope_) {
+    const Triad& rate = gyroscope_->newest_at(time);
+    sensors.angular_velocity_time = rate.time;
+    sensors.angular_velocity_rad_s = rate.value;
+  }
   const Paws& paws = newest(paws_, spec_->paws.latency, time, kTime);
   sensors.paws_time = paws.time;
   sensors.paw_contact = paws.value;
   return sensors;
-}
-
-void SensorSuite::Acceleration::visit(StateVisitor& visitor) {
-  visitor.field("acceleration_time", time);
-  visitor.field("acceleration_x", value.x);
-  visitor.field("acceleration_y", value.y);
-  visitor.field("acceleration_z", value.z);
 }
 
 void SensorSuite::Odometry::visit(StateVisitor& visitor) {
@@ -169,18 +222,21 @@ void SensorSuite::visit(StateVisitor& visitor) {
     for (size_t j = 0; j < kept_joints_; ++j) visitor.field("joints_rad", reading.rad[j]);
   }
   visitor.list("odometry_readings", odometry_);
-  visitor.list("acceleration_readings", accelerations_);
+  accelerometer_.visit_readings(visitor);
   visitor.list("paw_readings", paws_);
-  if (joints_.empty() || odometry_.empty() || accelerations_.empty() || paws_.empty()) {
+  if (joints_.empty() || odometry_.empty() || paws_.empty()) {
     throw InputError("snapshot: a sensor without readings");
   }
-  for (double& part : force_state_) visitor.field("accelerometer_state", part);
+  accelerometer_.visit_effects(visitor);
   visitor.field("odometry_error_x_m", odometry_error_.x_m);
   visitor.field("odometry_error_y_m", odometry_error_.y_m);
   visitor.field("odometry_error_theta_rad", odometry_error_.theta_rad);
   visitor.field("dead_x_m", last_dead_reckoning_.x_m);
   visitor.field("dead_y_m", last_dead_reckoning_.y_m);
   visitor.field("dead_theta_rad", last_dead_reckoning_.theta_rad);
+  if (!gyroscope_) return;
+  gyroscope_->visit_readings(visitor);
+  gyroscope_->visit_effects(visitor);
 }
 
 }  // namespace seam

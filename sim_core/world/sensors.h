@@ -10,12 +10,14 @@
 #include "sim_core/base/pose.h"
 #include "sim_core/base/random.h"
 #include "sim_core/base/time.h"
-#include "sim_core/body/force_reading.h"
+#include "sim_core/body/inertial_reading.h"
 #include "sim_core/body/joints.h"
 #include "sim_core/body/state.h"
 #include "sim_core/scenario/scenario.h"
 
 namespace seam {
+
+class RobotPartsFactory;
 
 struct JointReading {
   SimTime time;
@@ -36,6 +38,9 @@ struct RobotSensors {
   SimTime acceleration_time;
   Vec3 acceleration_m_s2{0.0};  // Specific force in the body's frame: +9.81 in z at rest.
 
+  SimTime angular_velocity_time;
+  std::optional<Vec3> angular_velocity_rad_s;  // In the body's frame; of a robot with a gyroscope.
+
   SimTime paws_time;
   std::array<bool, kLegs> paw_contact{};
 };
@@ -44,7 +49,7 @@ struct RobotSensors {
 struct SensorTruth {
   JointAngles encoders_rad{};
   Pose2 dead_reckoning;
-  Vec3 specific_force_B{0.0};
+  BodyMotion motion_B;
   std::array<bool, kLegs> paw_contact{};
 };
 
@@ -52,9 +57,9 @@ struct SensorTruth {
 class SensorSuite {
  public:
   // Joint readings are kept until `memory` after their delivery.
-  // Without `force` the accelerometer reads what is there.
-  SensorSuite(const RobotSpec& robot, SimDuration memory, RandomStream stream,
-              std::shared_ptr<const ForceReading> force);
+  // `stream` is the robot's.
+  SensorSuite(const RobotSpec& robot, SimDuration memory, const RandomStream& stream,
+              const RobotPartsFactory& parts);
 
   // Instants after `after`, up to and including `until`, at which some sensor samples, ascending.
   std::vector<SimTime> sampling_times(SimTime after, SimTime until) const;
@@ -65,10 +70,36 @@ class SensorSuite {
   void visit(StateVisitor& visitor);
 
  private:
-  struct Acceleration {
+  struct Triad {
     SimTime time;
     Vec3 value{0.0};
-    void visit(StateVisitor& visitor);
+  };
+  // An accelerometer or a gyroscope.
+  class InertialSensor {
+   public:
+    // Of its stream of noise and of its state.
+    struct Names {
+      const char *sensor, *readings, *time, *x, *y, *z, *effects_state;
+    };
+    static const Names kAccelerometer, kGyroscope;
+
+    InertialSensor(const SensorSpec& spec, const Names& names, Vec3 BodyMotion::*measured,
+                   std::shared_ptr<const InertialReading> effects);
+
+    void sample(SimTime time, const BodyMotion& motion, const RandomStream& noise_of_all);
+    const Triad& newest_at(SimTime time) const;
+    void forget_old(SimTime time);
+    const SensorSpec& spec() const { return *spec_; }
+    void visit_readings(StateVisitor& visitor);
+    void visit_effects(StateVisitor& visitor);
+
+   private:
+    const SensorSpec* spec_;
+    const Names* names_;
+    Vec3 BodyMotion::*measured_;  // What of the motion it is there for.
+    std::shared_ptr<const InertialReading> effects_;
+    std::vector<double> effects_state_;
+    std::vector<Triad> readings_;  // Ascending, as the others below.
   };
   struct Odometry {
     SimTime time;
@@ -91,9 +122,8 @@ class SensorSuite {
   // Readings still needed: those not delivered yet, and the newest delivered one. Ascending.
   std::vector<JointReading> joints_;
   std::vector<Odometry> odometry_;
-  std::vector<Acceleration> accelerations_;
-  std::shared_ptr<const ForceReading> force_;
-  std::vector<double> force_state_;
+  InertialSensor accelerometer_;
+  std::optional<InertialSensor> gyroscope_;
   std::vector<Paws> paws_;
   Pose2 odometry_error_;  // What noise has added up to.
   Pose2 last_dead_reckoning_;

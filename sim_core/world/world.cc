@@ -12,8 +12,8 @@
 namespace seam {
 namespace {
 
-constexpr double kLimbDistance =
-    0.45;  // Paws and heads of robots nearer to the ball can push it, m.
+// Paws and heads of robots nearer to the ball can push it, m.
+constexpr double kLimbDistance = 0.45;
 // The front of the head, in its frame, as a disc seen from above.
 constexpr double kNoseForward = 0.045;
 constexpr double kNoseRadius = 0.03;
@@ -66,8 +66,7 @@ World::Impl::Impl(const Scenario& given, const RobotPartsFactory& parts)
     const RandomStream stream = root_of(scenario).child("robot").child(std::string_view(spec.id));
     robots.emplace_back(spec, parts, stream, substeps);
     const SimDuration turn = longest_turn_of(spec.behaviour.clock);
-    sensors.emplace_back(spec, turn, stream.child("sensors"),
-                         parts.accelerometer(spec, stream.child("accelerometer_effects")));
+    sensors.emplace_back(spec, turn, stream, parts);
     longest_turn = std::max(longest_turn, turn);
     bodies.robots.push_back({spec.pose.x_m, spec.pose.y_m, spec.pose.theta_rad});
   }

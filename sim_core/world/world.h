@@ -33,8 +33,12 @@ class RobotPartsFactory {
                                                double initial_rad, RandomStream noise) const;
   virtual std::unique_ptr<LocomotionModel> locomotion(const RobotSpec& robot,
                                                       RandomStream noise) const;
-  // None: it reads what is there.
-  virtual std::shared_ptr<const ForceReading> accelerometer(const RobotSpec&, RandomStream) const {
+  // None: they read what is there.
+  virtual std::shared_ptr<const InertialReading> accelerometer(const RobotSpec&,
+                                                               RandomStream) const {
+    return nullptr;
+  }
+  virtual std::shared_ptr<const InertialReading> gyroscope(const RobotSpec&, RandomStream) const {
     return nullptr;
   }
 };

@@ -83,7 +83,8 @@ TEST(World, StateHashIsTheGoldenOne) {
 }
 
 TEST(World, RunFromASnapshotEqualsTheUninterruptedRun) {
-  const Scenario scenario = match();
+  Scenario scenario = match();
+  scenario.robots[1].sensors.gyroscope = SensorSpec{.latency = SimDuration::from_s(0.02)};
   World whole(scenario);
   play(whole, 0, 301);
   const std::string snapshot = whole.snapshot();

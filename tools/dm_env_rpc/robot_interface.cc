@@ -141,12 +141,17 @@ void RobotInterface::add_walk(const Gait& gait) {
 }
 
 void RobotInterface::add_body_sensors(const RobotSpec& robot) {
-  add_observation(spec_of("acceleration_m_s2", rpc::DOUBLE, {3}), [](const Sensed& sensed,
-                                                                     rpc::Tensor& tensor) {
-    const v1::Vector3& a = sensed.now.sensors().acceleration_m_s2();
-    put(std::array{a.x(), a.y(), a.z()}, *tensor.mutable_doubles()->mutable_array());
-    tensor.add_shape(3);
-  });
+  const auto add_vector = [&](const char* name, const v1::Vector3& (v1::Sensors::*get)() const) {
+    add_observation(
+        spec_of(name, rpc::DOUBLE, {3}), [get](const Sensed& sensed, rpc::Tensor& tensor) {
+          const v1::Vector3& a = (sensed.now.sensors().*get)();
+          put(std::array{a.x(), a.y(), a.z()}, *tensor.mutable_doubles()->mutable_array());
+          tensor.add_shape(3);
+        });
+  };
+  add_vector("acceleration_m_s2", &v1::Sensors::acceleration_m_s2);
+  if (robot.sensors.gyroscope)
+    add_vector("angular_velocity_rad_s", &v1::Sensors::angular_velocity_rad_s);
   add_observation(spec_of("odometry.x_m", rpc::DOUBLE), number([](const v1::Observation& now) {
                     return now.sensors().odometry().x_m();
                   }));

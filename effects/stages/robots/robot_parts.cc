@@ -278,12 +278,16 @@ class ModelLocomotion final : public LocomotionModel {
   WalkState state_;
 };
 
-class ModelForceReading final : public ForceReading {
+class ModelInertialReading final : public InertialReading {
  public:
-  ModelForceReading(const Inertial& inertial, double dt_s, const RandomStream& noise)
-      : inertial_(inertial) {
+  // Of the gyroscope, or of the accelerometer.
+  ModelInertialReading(const Inertial& inertial, bool is_gyroscope, double dt_s,
+                       const RandomStream& noise)
+      : inertial_(inertial),
+        read_(is_gyroscope ? &InertialSample::rate_radps : &InertialSample::force_mps2) {
     for (size_t axis = 0; axis < 3; ++axis)
-      axes_.emplace_back(inertial.accel, axis, dt_s, noise.child(axis));
+      axes_.emplace_back(is_gyroscope ? inertial.gyro : inertial.accel, axis, dt_s,
+                         noise.child(axis));
   }
 
   std::vector<double> first_state() const override {
@@ -292,8 +296,8 @@ class ModelForceReading final : public ForceReading {
     return std::vector<double>(size, 0);
   }
 
-  Vec3 reading(const Vec3& force_mps2, SimTime time, std::vector<double>& state) const override {
-    Vec3 seen = measured_by(inertial_, {.force_mps2 = force_mps2}, kBiasAt_c).force_mps2;
+  Vec3 reading(const BodyMotion& motion, SimTime time, std::vector<double>& state) const override {
+    Vec3 seen = measured_by(inertial_, {motion.rate_radps, motion.force_mps2}, kBiasAt_c).*read_;
     std::span<double> left = state;
     for (size_t axis = 0; axis < axes_.size(); ++axis) {
       const size_t size = axes_[axis].state_size();
@@ -306,6 +310,7 @@ class ModelForceReading final : public ForceReading {
 
  private:
   Inertial inertial_;
+  Vec3 InertialSample::*read_;
   std::vector<NoiseSeries> axes_;
 };
 
@@ -359,8 +364,20 @@ std::unique_ptr<LocomotionModel> ModelParts::locomotion(const RobotSpec& robot,
                                            noise);
 }
 
-std::shared_ptr<const ForceReading> ModelParts::accelerometer(const RobotSpec& robot,
-                                                              RandomStream noise) const {
+std::shared_ptr<const InertialReading> ModelParts::accelerometer(const RobotSpec& robot,
+                                                                 RandomStream noise) const {
+  return inertial_sensor(robot, false, robot.sensors.accelerometer.period, noise);
+}
+
+std::shared_ptr<const InertialReading> ModelParts::gyroscope(const RobotSpec& robot,
+                                                             RandomStream noise) const {
+  if (!robot.sensors.gyroscope) return nullptr;
+  return inertial_sensor(robot, true, robot.sensors.gyroscope->period, noise);
+}
+
+std::shared_ptr<const InertialReading> ModelParts::inertial_sensor(
+    const RobotSpec& robot, bool is_gyroscope, SimDuration period,
+    const RandomStream& noise) const {
   const auto found = models_.find(robot.id);
   if (found == models_.end()) return nullptr;
   const auto& effects = found->second.effects();
@@ -368,8 +385,8 @@ std::shared_ptr<const ForceReading> ModelParts::accelerometer(const RobotSpec& r
     return effect.definition->stage == kInertial;
   });
   if (!acts) return nullptr;
-  return std::make_shared<ModelForceReading>(inertial_of(found->second),
-                                             robot.sensors.accelerometer.period.s(), noise);
+  return std::make_shared<ModelInertialReading>(inertial_of(found->second), is_gyroscope,
+                                                period.s(), noise);
 }
 
 }  // namespace seam::effects

@@ -26,11 +26,17 @@ class ModelParts final : public RobotPartsFactory {
                                        RandomStream noise) const override;
   std::unique_ptr<LocomotionModel> locomotion(const RobotSpec& robot,
                                               RandomStream noise) const override;
-  // Effects of stage `inertial` on accelerometers; the robot is as warm as at their bias.
-  std::shared_ptr<const ForceReading> accelerometer(const RobotSpec& robot,
-                                                    RandomStream noise) const override;
+  // Effects of stage `inertial`; the robot is as warm as at their bias.
+  std::shared_ptr<const InertialReading> accelerometer(const RobotSpec& robot,
+                                                       RandomStream noise) const override;
+  std::shared_ptr<const InertialReading> gyroscope(const RobotSpec& robot,
+                                                   RandomStream noise) const override;
 
  private:
+  std::shared_ptr<const InertialReading> inertial_sensor(const RobotSpec& robot, bool is_gyroscope,
+                                                         SimDuration period,
+                                                         const RandomStream& noise) const;
+
   std::map<std::string, Model> models_;
   JointModels joints_;
 };

@@ -43,7 +43,7 @@ Judged = Union[str, Callable[[seam_sdk.Observation, seam_sdk.Truth], float]]
 class Task:
     """What a robot is to learn; the same for each robot. `{robot}` in an expression is its name.
 
-    observe: names (joints, odometry, acceleration, paws, time_s, frame, row_s) and Sense objects: a dictionary.
+    observe: names (joints, odometry, acceleration, angular_velocity, paws, time_s, frame, row_s) and Sense objects: a dictionary.
     act: {"pan": (-1.5, 1.5), ...}: numbers from -1 to 1, which are scaled to these bounds; a list of orders such as
          [{}, {"pan": 0.5}, {"kick": Kick.LEG_FORWARD}]: the number of one of them; or an Act. Orders are joints by their
          names, vx_m_s, vy_m_s, omega_rad_s.
@@ -120,12 +120,20 @@ def _senses(robot: seam_sdk.Robot) -> dict[str, Sense]:
         measured("joints", len(robot.joint_names), lambda seen: seen.sensors.joints.angles_rad),
         measured("odometry", 3, lambda seen: dataclasses.astuple(seen.sensors.odometry)),
         measured("acceleration", 3, lambda seen: seen.sensors.acceleration_m_s2),
+        measured("angular_velocity", 3, _angular_velocity),
         measured("paws", 4, lambda seen: seen.sensors.paw_contact, 0, 1),
         measured("time_s", 1, lambda seen: [seen.time_s], 0),
         Sense("frame", Box(0, 255, shape, np.uint8), lambda _, frame: pixels(frame, shape)),
         Sense("row_s", Box(-np.inf, np.inf, (height, 2), np.float32), lambda seen, frame: _row_times(seen, frame, height)),
     ]
     return {sense.name: sense for sense in senses}
+
+
+def _angular_velocity(seen: seam_sdk.Observation) -> tuple[float, float, float]:
+    if (rate := seen.sensors.angular_velocity_rad_s) is None:
+        raise ValueError("observe: found angular_velocity of a robot without a gyroscope, expected `gyroscope: {}` under its "
+                         "`sensors` in the scenario")
+    return rate
 
 
 def pixels(frame: seam_sdk.Frame | None, shape: tuple[int, ...]) -> np.ndarray:

@@ -37,6 +37,8 @@ class Sensors:
     acceleration_m_s2: tuple[float, float, float]  # In the body's frame, gravity included.
     odometry: Odometry
     paw_contact: tuple[bool, ...]  # Left front, right front, left rear, right rear.
+    # In the body's frame; None where the scenario gives this robot no gyroscope (`sensors.gyroscope`).
+    angular_velocity_rad_s: tuple[float, float, float] | None = None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -128,14 +130,19 @@ def _joints(message: wire.JointAngles) -> JointAngles:
                        angles_rad)
 
 
+def _vector(message: wire.Vector3) -> tuple[float, float, float]:
+    return message.x, message.y, message.z
+
+
 def _sensors(message: wire.Sensors) -> Sensors:
-    acceleration, odometry = message.acceleration_m_s2, message.odometry
+    odometry = message.odometry
     return Sensors(
         joints=_joints(message.joints),
         joint_log=tuple(map(_joints, message.joint_log)),
-        acceleration_m_s2=(acceleration.x, acceleration.y, acceleration.z),
+        acceleration_m_s2=_vector(message.acceleration_m_s2),
         odometry=Odometry(odometry.x_m, odometry.y_m, odometry.heading_rad),
-        paw_contact=tuple(message.paw_contact))
+        paw_contact=tuple(message.paw_contact),
+        angular_velocity_rad_s=_vector(message.angular_velocity_rad_s) if message.HasField("angular_velocity_rad_s") else None)
 
 
 def _frame(message: wire.Frame) -> Frame:
