@@ -24,6 +24,8 @@ def draw_effect(draw, name, seen):
             "uneven_lighting": lambda: {"gx": draw.signed(0.02, 0.1), "gy": draw.signed(0.02, 0.1)},
             "pixel_gain_spread": lambda: {"sigma": draw.uniform(0.4, 1.5) * seen / middle},
             "pixel_offset_spread": lambda: {"sigma_dn": draw.uniform(0.4, 1.5) * seen},
+            # DN a second: at the longest exposure, 0.2 s, of the noise's size.
+            "dark_current_spread": lambda: {"sigma_dn_per_s": draw.uniform(0.4, 1.5) * seen / 0.2},
             "column_offsets": lambda: {"sigma_dn": draw.uniform(0.4, 1.2) * seen},
             "row_noise": lambda: {"sigma_dn": draw.uniform(0.4, 1.2) * seen},
             "response_cubic": lambda: {"k2": draw.signed(0.03, 0.1), "k3": 0.0},
@@ -61,6 +63,7 @@ class Sensor:
         spread = effects.get("pixel_gain_spread", {}).get("sigma", 0)
         self.field = self.field * (1 + spread * draw.of("gains").normal(size=shape))
         self.fixed = effects.get("pixel_offset_spread", {}).get("sigma_dn", 0) * draw.of("offsets").normal(size=shape)
+        self.dark = effects.get("dark_current_spread", {}).get("sigma_dn_per_s", 0) * draw.of("darks").normal(size=shape)
         self.fixed += effects.get("column_offsets", {}).get("sigma_dn", 0) * draw.of("columns").normal(size=(1, WIDTH))
         self.before = np.zeros(shape)
 
@@ -83,7 +86,7 @@ class Sensor:
             signal = gain * np.power(np.maximum(signal, 0) / gain, effects["response_gamma"]["gamma"])
         lag = effects.get("image lag", {}).get("share", 0)
         signal, self.before = signal + lag * (self.before - signal), signal
-        dn = signal + self.camera["black_dn"] + self.fixed
+        dn = signal + self.camera["black_dn"] + self.fixed + exposure_s * self.dark
         dn = dn + effects.get("row_noise", {}).get("sigma_dn", 0) * draw.normal(size=(HEIGHT, 1))
         return dn + draw.normal(self.camera["read_dn"], size=shape)
 
@@ -102,6 +105,8 @@ def draw_names(plan, draw):
         return ["response_gamma"]
     if plan.count == 0:
         return []
+    if plan.cause:
+        return [plan.cause]
     names = draw.sample(POSSIBLE, plan.count)
     for first, second in ALIKE:
         if first in names and second in names:

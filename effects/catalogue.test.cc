@@ -81,9 +81,10 @@ std::vector<double> everything(const Model& model) {
                  {moments.mean_dn, moments.variance_dn2, file.mean_dn, file.variance_dn2});
     }
   }
-  all.insert(all.end(), {chain.pixel_gain_sigma, chain.pixel_offset_sigma_dn, chain.column_sigma_dn,
-                         chain.row_sigma_dn, chain.read_sigma_dn, chain.hot_fraction,
-                         chain.weak_fraction, chain.lamp_sigma, chain.wave.amplitude_dn});
+  all.insert(all.end(),
+             {chain.pixel_gain_sigma, chain.pixel_offset_sigma_dn, chain.column_sigma_dn,
+              chain.row_sigma_dn, chain.read_sigma_dn, chain.hot_fraction, chain.weak_fraction,
+              chain.dark_sigma_dn_per_s, chain.lamp_sigma, chain.wave.amplitude_dn});
   Detection detection{.range_m = 1.7, .bearing_rad = -0.3, .t_s = 4};
   apply_detector(model, detection);
   all.insert(all.end(), {detection.range_m, detection.bearing_rad, detection.range_variance,

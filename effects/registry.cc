@@ -81,6 +81,7 @@
   X(response_cubic)           \
   X(white_balance)            \
   X(pixel_offset_spread)      \
+  X(dark_current_spread)      \
   X(column_offsets)           \
   X(periodic_pattern)         \
   X(row_noise)                \

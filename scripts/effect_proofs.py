@@ -385,6 +385,8 @@ PROOFS = [
     ("white_balance", [1.2, 0.9], [("channel", 1)], {"mean_dn": "108"}),
     ("pixel_offset_spread", [0.8], [], {"pattern_variance_dn2": "p[0]**2"}),
     ("pixel_offset_spread", [3], [("light", 1)], {"pattern_variance_dn2": "p[0]**2"}),
+    ("dark_current_spread", [20], [("exposure_s", 0.1)], {"pattern_variance_dn2": "(p[0] * exposure_s)**2"}),
+    ("dark_current_spread", [1500], [("light", 1), ("exposure_s", 0.02)], {"pattern_variance_dn2": "(p[0] * exposure_s)**2"}),
     ("column_offsets", [0.8], [], {"pattern_variance_dn2": "p[0]**2"}),
     ("column_offsets", [2], [("light", 1)], {"pattern_variance_dn2": "p[0]**2"}),
     ("periodic_pattern", [2, 8, 0, 0.5], [("u_px", 3), ("v_px", 11)], {"wave_dn": "p[0] * math.sin(2 * math.pi * u_px / p[1] + p[3])"}),

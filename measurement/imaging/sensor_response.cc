@@ -65,8 +65,9 @@ Response respond(const SensorChain& chain, const SensorExposure& exposure, int c
   const double log_slope = log_slope_of(chain, exposure, colour, signal);
   const double read2 = square(chain.read_sigma_dn);
   const double temporal2 = response.variance_dn2 + read2;
-  const double pattern2 = square(chain.pixel_gain_sigma * log_slope) +
-                          square(chain.pixel_offset_sigma_dn) + square(chain.column_sigma_dn);
+  const double pattern2 =
+      square(chain.pixel_gain_sigma * log_slope) + square(chain.pixel_offset_sigma_dn) +
+      square(chain.dark_sigma_dn_per_s * exposure.dark_s()) + square(chain.column_sigma_dn);
   const double row2 = square(chain.row_sigma_dn), all2 = temporal2 + pattern2 + row2;
   const auto file = [&](double mean, double variance) {
     return effects::file_moments(chain, {mean, variance}, exposure.file_bits);
@@ -118,6 +119,7 @@ bool is_wave_cut(const SensorChain& chain, const SensorExposure& exposure, doubl
   const Moments at = effects::response_moments(chain, signal, 1, exposure);
   const double sigma = std::sqrt(at.variance_dn2 + square(chain.read_sigma_dn) +
                                  square(chain.pixel_offset_sigma_dn) +
+                                 square(chain.dark_sigma_dn_per_s * exposure.dark_s()) +
                                  square(chain.column_sigma_dn) + square(chain.row_sigma_dn));
   return at.mean_dn < chain.wave.amplitude_dn + kReach * sigma;
 }
@@ -133,6 +135,7 @@ Response DarkResponses::of(const SensorChain& chain, const SensorExposure& expos
                    offset_dn,
                    chain.read_sigma_dn,
                    chain.pixel_offset_sigma_dn,
+                   chain.dark_sigma_dn_per_s * exposure.dark_s(),
                    chain.column_sigma_dn,
                    chain.row_sigma_dn,
                    chain.full_dn,

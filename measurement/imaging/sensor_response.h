@@ -58,7 +58,7 @@ class DarkResponses {
               int colour, const SetNoise& noise, double offset_dn) const;
 
  private:
-  using Key = std::array<double, 17>;
+  using Key = std::array<double, 18>;
   mutable std::mutex mutex_;
   mutable std::map<Key, Response> known_;
 };

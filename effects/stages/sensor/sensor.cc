@@ -180,6 +180,12 @@ FixedPattern fixed_pattern(const SensorChain& chain, int width_px, int height_px
     for (float& offset : pattern.offset_dn)
       offset = static_cast<float>(chain.pixel_offset_sigma_dn * offset);
   }
+  if (chain.dark_sigma_dn_per_s > 0) {
+    pattern.dark_dn_per_s.resize(samples);
+    sample_normals(camera_noise.child("dark_current_spread"), pattern.dark_dn_per_s);
+    for (float& dark : pattern.dark_dn_per_s)
+      dark = static_cast<float>(chain.dark_sigma_dn_per_s * dark);
+  }
   if (chain.column_sigma_dn > 0) {
     std::vector<float> columns(static_cast<size_t>(width_px));
     sample_normals(camera_noise.child("column_offsets"), columns);

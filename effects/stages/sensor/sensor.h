@@ -6,6 +6,7 @@
 //   electrons = Poisson(signal * electrons_per_dn / gain column + dark_current * exposure_s)
 //   value     = white_balance * cubic(gamma(electrons * gain column / electrons_per_dn))
 //   value    += black + wave + pixel, column, row and hot offsets + read noise
+//               + dark offsets of pixels * exposure_s
 //   value     = to the file's whole numbers(to multiples of the quantisation(min(value, full_dn)))
 //
 // Without shot noise there is 1 electron a DN and no photon variance. `illumination` includes
@@ -63,6 +64,7 @@ struct SensorChain {
   std::array<double, 3> channel_gain = {1, 1, 1};  // White balance: red, green, blue.
   double pixel_gain_sigma = 0;                     // Fixed, relative (PRNU).
   double pixel_offset_sigma_dn = 0;                // Fixed (DSNU).
+  double dark_sigma_dn_per_s = 0;                  // Fixed, grows with exposure (DCNU).
   double column_sigma_dn = 0;                      // Fixed.
   double row_sigma_dn = 0;                         // New for each row of each frame.
   double read_sigma_dn = 0;                        // New for each sample.
@@ -79,6 +81,9 @@ struct SensorChain {
   std::vector<SensorMap> maps;
 
   bool is_cubic() const { return cubic2 != 0 || cubic3 != 0; }
+  bool has_pixel_patterns() const {
+    return pixel_offset_sigma_dn > 0 || pixel_gain_sigma > 0 || dark_sigma_dn_per_s > 0;
+  }
   bool has_shot_noise() const { return electrons_per_dn < std::numeric_limits<double>::infinity(); }
 };
 
@@ -98,6 +103,9 @@ struct SensorExposure {
   int file_bits = 8;
   // A map that gives no number is an error; a fit, which tries what may not work, goes on.
   bool numbers_only = false;
+
+  // Seconds for which a pixel's dark current counts, at gain 1.
+  double dark_s() const { return exposure_s * gain; }
 };
 
 struct Moments {
@@ -138,6 +146,7 @@ struct FixedPattern {
   std::vector<float> gain;  // 1 + PRNU, a factor for each sample.
   std::vector<float>
       offset_dn;  // Wave, pixel, column and hot offsets for each sample (without black).
+  std::vector<float> dark_dn_per_s;  // Of each sample, at gain 1; empty: none.
   // False where all gains are 1, all offsets 0: what need not be looked at.
   bool has_gain = true, has_offset = true;
 };

@@ -168,6 +168,28 @@ TEST(Sensor, EffectsDrawFromStreamsOfTheirOwn) {
   }
 }
 
+// Each pixel's own, in proportion to the exposure, and the same in the next frame.
+TEST(Sensor, DarkCurrentsOfPixelsGrowWithTheExposure) {
+  const SensorChain chain =
+      sensor_of(model_of("linear_response: {gain_dn: 100, black_dn: 20000}, dark_current_spread: "
+                         "{sigma_dn_per_s: 3000}"));
+  const FixedPattern pattern = fixed_pattern(chain, 64, 48, 1, {.seed = 3});
+  const auto at = [&](double exposure_s, uint64_t frame) {
+    return expose(chain, pattern, std::vector<float>(64 * 48, 0.0f),
+                  {.exposure_s = exposure_s, .file_bits = 16}, RandomStream{.seed = frame});
+  };
+  const Image once = at(0.5, 1), again = at(0.5, 2), longer = at(2, 3);
+  EXPECT_EQ(once.samples, again.samples);
+  double square = 0;
+  for (size_t i = 0; i < once.samples.size(); ++i) {
+    const double dark_dn = once.samples[i] - 20000.0;
+    EXPECT_NEAR(longer.samples[i] - 20000.0, 4 * dark_dn, 2.6);  // Both are rounded.
+    square += dark_dn * dark_dn / static_cast<double>(once.samples.size());
+  }
+  // 3072 pixels know their deviation to 1.3 %.
+  EXPECT_NEAR(std::sqrt(square), 1500, 4 * 0.013 * 1500);
+}
+
 TEST(Sensor, NeutralSensorIsTheScaledLight) {
   const SensorChain chain = sensor_of(model_of(""));
   const FixedPattern pattern = fixed_pattern(chain, 4, 1, 1, {});

@@ -48,7 +48,8 @@ class Exposing {
                   ? std::max(0.0, 1 + chain.lamp_sigma *
                                           normal(frame_noise.child("lamp_fluctuation"), 0))
                   : 1),
-        channel_gain_(kChunk) {
+        channel_gain_(kChunk),
+        offset_(pattern.dark_dn_per_s.empty() ? 0 : kChunk) {
     // A chunk begins with a whole pixel.
     for (size_t i = 0; i < kChunk; i += 3) {
       for (int c = 0; c < 3; ++c)
@@ -83,7 +84,7 @@ class Exposing {
                      chunk.count, value);
     }
     const auto black = static_cast<float>(chain_.black_dn);
-    const float* const offset = pattern_.has_offset ? &pattern_.offset_dn[chunk.first] : nullptr;
+    const float* const offset = offsets_of(chunk);
     if (chain_.maps.empty()) {
       kernels_.balance(channel_gain_.data(), black, offset, chunk.count, value);
     } else {
@@ -101,6 +102,18 @@ class Exposing {
       if (offset != nullptr) kernels_.add(offset, chunk.count, value);
     }
     if (chain_.row_sigma_dn > 0) add_row_noise(chunk);
+  }
+
+  // Fixed offsets of a chunk's samples, with what their dark currents have grown to.
+  const float* offsets_of(const Chunk& chunk) {
+    if (pattern_.dark_dn_per_s.empty())
+      return pattern_.has_offset ? &pattern_.offset_dn[chunk.first] : nullptr;
+    const auto dark_s = static_cast<float>(exposure_.dark_s());
+    for (size_t i = 0; i < chunk.count; ++i) {
+      offset_[i] =
+          pattern_.offset_dn[chunk.first + i] + dark_s * pattern_.dark_dn_per_s[chunk.first + i];
+    }
+    return offset_.data();
   }
 
   template <typename Sample>
@@ -168,7 +181,7 @@ class Exposing {
   const SensorExposure& exposure_;
   RandomStream shot_, few_, row_, read_;
   double lamp_;  // The frame's own factor of light.
-  std::vector<float> channel_gain_;
+  std::vector<float> channel_gain_, offset_;
 };
 
 }  // namespace

@@ -161,6 +161,27 @@ std::string PhotometryProblem::no_outliers_because() const {
          "among many frames is lost in its pixel's mean";
 }
 
+namespace {
+
+// Between exposures that are more alike, a pattern that grows with them is one that stays.
+bool has_unlike_exposures(const PhotometryData& data) {
+  constexpr double kUnlike = 1.5;
+  const auto [shortest, longest] = std::minmax_element(
+      data.levels.begin(), data.levels.end(),
+      [](const PhotometryLevel& a, const PhotometryLevel& b) { return a.dark_s() < b.dark_s(); });
+  return shortest != data.levels.end() && longest->dark_s() > kUnlike * shortest->dark_s();
+}
+
+bool has_dark_pattern(const EffectDefinition& effect) {
+  std::vector<double> values;
+  for (const effects::Parameter& one : effect.parameters) values.push_back(one.neutral + one.scale);
+  effects::SensorChain chain;
+  if (effect.sensor) effect.sensor(values, chain);
+  return chain.dark_sigma_dn_per_s > 0;
+}
+
+}  // namespace
+
 std::string PhotometryProblem::not_testable(const Model& model, const EffectDefinition& effect,
                                             size_t parameter) const {
   const effects::Parameter& definition = effect.parameters[parameter];
@@ -170,6 +191,8 @@ std::string PhotometryProblem::not_testable(const Model& model, const EffectDefi
   if (!why.empty() ||
       effects::start_rule(effect, facts_.set.kind).search == effects::StartSearch::frequency)
     return why;
+  if (has_dark_pattern(effect) && !has_unlike_exposures(data_))
+    return "all frames have nearly the same exposure time";
   const double here = model.find(effect.name)->parameters[parameter].value;
   const auto sum = sums(training_groups());
   const PhotometryView view = view_of(*sum);

@@ -238,6 +238,7 @@ TEST(Photometry, LikelihoodEqualsTheDenseForm) {
   for (int l = 0; l < 3; ++l) {
     crop.levels.push_back(data.levels[l]);
     crop.levels.back().frames.clear();
+    crop.levels.back().exposure_s = 0.01 + 0.03 * l;
     for (int k = 0; k < 2; ++k) {
       const auto& image = data.images[l * kPerLevel + k];
       std::vector<uint16_t> part;
@@ -261,7 +262,8 @@ TEST(Photometry, LikelihoodEqualsTheDenseForm) {
                             "black_dn: 30}\n  read_noise: {sigma_dn: 1.3}\n"
                             "  pixel_gain_spread: {sigma: 0.03}\n  pixel_offset_spread: {sigma_dn: "
                             "0.9}\n  column_offsets: {sigma_dn: 1.1}\n"
-                            "  row_noise: {sigma_dn: 0.8}\n  lamp_fluctuation: {sigma: 0.02}\n",
+                            "  row_noise: {sigma_dn: 0.8}\n  lamp_fluctuation: {sigma: 0.02}\n"
+                            "  dark_current_spread: {sigma_dn_per_s: 18}\n",
                             "model"));
   const auto prediction = predict(crop, sums, model, 0);
   const PhotometryScore score = score_photometry(crop, sums, prediction, true);
@@ -270,6 +272,7 @@ TEST(Photometry, LikelihoodEqualsTheDenseForm) {
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd residual(n);
   const auto signal = [&](int f) { return 220 * crop.levels[f / 2].illumination; };
+  const auto dark = [](int f) { return 18 * (0.01 + 0.03 * (f / 2)); };
   for (int a = 0; a < n; ++a) {
     const int fa = a / (width * height), pa = a % (width * height);
     residual[a] = crop.images[fa][pa] - (signal(fa) + 30);
@@ -277,7 +280,7 @@ TEST(Photometry, LikelihoodEqualsTheDenseForm) {
       const int fb = b / (width * height), pb = b % (width * height);
       double& s = covariance(a, b);
       if (a == b) s += 1.3 * 1.3 + 1.0 / 12;
-      if (pa == pb) s += 0.9 * 0.9 + 0.03 * 0.03 * signal(fa) * signal(fb);
+      if (pa == pb) s += 0.9 * 0.9 + 0.03 * 0.03 * signal(fa) * signal(fb) + dark(fa) * dark(fb);
       if (pa % width == pb % width) s += 1.1 * 1.1;
       if (fa == fb && pa / width == pb / width) s += 0.8 * 0.8;
       if (fa == fb) s += 0.02 * 0.02 * signal(fa) * signal(fb);
@@ -298,7 +301,8 @@ TEST(Photometry, CellsOfLightEqualEverySample) {
       "vignetting: {a2: 0.31, a4: 0.02}, uneven_lighting: {gx: 0.03, gy: -0.02}, "
       "veiling_glare: {fraction: 0.1}";
   const std::string patterns =
-      "pixel_gain_spread: {sigma: 0.011}, pixel_offset_spread: {sigma_dn: 0.6}";
+      "pixel_gain_spread: {sigma: 0.011}, pixel_offset_spread: {sigma_dn: 0.6}, "
+      "dark_current_spread: {sigma_dn_per_s: 9}";
   const std::vector<std::string> models = {
       sensor,
       sensor + ", " + lens,
@@ -324,6 +328,7 @@ TEST(Photometry, CellsOfLightEqualEverySample) {
   Facts facts;
   PhotometryData data = read_photometry(MeasurementSet::open(folder), facts);
   std::filesystem::remove_all(folder);
+  for (size_t l = 0; l < data.levels.size(); ++l) data.levels[l].exposure_s = 0.01 * (1.0 + l);
   const auto compare = [&](bool share) {
     const PhotometrySums sums =
         sum_frames(data, Groups(facts.groups.size(), 1), facts.group_of_row);

@@ -45,8 +45,9 @@ ResidualView PhotometryProblem::residual_view(const Model& model, const Groups& 
       channel.push_back(static_cast<double>(i % data_.channels));
       // Of a mean of so many values, beside what moves all values of a pixel in proportion.
       const auto sigma_of = [&](double values, double gain2) {
-        const double offsets = square(chain.pixel_offset_sigma_dn) + square(chain.column_sigma_dn) +
-                               square(chain.row_sigma_dn) / values;
+        const double offsets = square(chain.pixel_offset_sigma_dn) +
+                               square(chain.dark_sigma_dn_per_s * data_.levels[l].dark_s()) +
+                               square(chain.column_sigma_dn) + square(chain.row_sigma_dn) / values;
         return std::sqrt(predicted.variance[i] / values +
                          offsets * square(predicted.offset_slope[i]) +
                          gain2 * square(predicted.gain_slope[i]));

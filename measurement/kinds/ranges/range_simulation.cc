@@ -25,8 +25,8 @@ constexpr int kTrialsOfSpread = 8;
 constexpr int kSquares = 3;  // Where jumps are counted: so many such squares, one in the other.
 
 bool has_patterns(const effects::SensorChain& chain) {
-  return chain.pixel_gain_sigma > 0 || chain.pixel_offset_sigma_dn > 0 ||
-         chain.column_sigma_dn > 0 || (chain.hot_fraction > 0 && chain.hot_level_dn != 0);
+  return chain.has_pixel_patterns() || chain.column_sigma_dn > 0 ||
+         (chain.hot_fraction > 0 && chain.hot_level_dn != 0);
 }
 
 effects::SensorChain noiseless(effects::SensorChain chain) {

@@ -32,7 +32,7 @@ class CellLikelihood {
         noise_{set_noise_dn, data.least_at_top_dn2, data.least_at_bottom_dn2},
         share_(share),
         flickers_(effects::lamps_flicker(model)),
-        pixels_(chain_.pixel_offset_sigma_dn > 0 || chain_.pixel_gain_sigma > 0),
+        pixels_(chain_.has_pixel_patterns()),
         levels_(sums.present.size()),
         entries_(sorted_.count() * levels_) {}
 
@@ -50,7 +50,7 @@ class CellLikelihood {
   };
   // By cell, for its samples: the inverse of their covariance between levels, in parts.
   struct Inverse {
-    PatternInverse two;
+    PatternInverse patterns;
     std::array<double, 2> odd_square{0, 0};  // h' Sigma^-1 h, h the offset of an odd sample.
     double slope_square = 0;                 // The same of the slopes by an offset.
   };
@@ -82,7 +82,7 @@ class CellLikelihood {
   void add_means();
   void add_patterns(size_t cell);
   void load_patterns(size_t cell);
-  void take_patterns(size_t cell, double q00, double q01, double q11);
+  void take_patterns(size_t cell, const Eigen::Matrix3d& squares);
   void add_patterns_by_sample();
   template <typename F>
   double solve(size_t cell, F&& value, double* out) const;
@@ -142,7 +142,8 @@ class CellLikelihood {
   std::vector<std::vector<double>> lamps_;  // By level and frame: brightness over the level's mean.
   std::vector<Inverse> inverse_;            // By cell.
   // By cell * levels + k; the loads are times the weights.
-  std::vector<double> weight_, offset_load_, gain_load_, slope_vector_;
+  std::vector<double> weight_, slope_vector_;
+  std::vector<PatternLoads> loads_;
   std::array<std::vector<double>, 2> odd_vector_;
   std::vector<char> is_odd_;  // By sample: 0, 1 hot, 2 weak; empty: none is.
   bool falls_ = false;        // The response does within the light of a level.

@@ -110,7 +110,8 @@ void CellLikelihood::sum_groups(const SampleGroups& groups, const PlaceSums& sum
 
 void CellLikelihood::add_row_groups(const std::vector<double>& residual, RowOffsets& rows) {
   const SampleGroups& groups = sorted_.by_row;
-  std::vector<double> solved(levels_), diagonal(levels_), offset(levels_), gain(levels_);
+  std::vector<double> solved(levels_), diagonal(levels_);
+  std::vector<PatternLoads> loads(levels_);
   const bool many = RowOffsets::has_many(levels_);
   for (size_t g = 0; g < groups.count(); ++g) {
     const size_t cell = groups.cell[g], at = cell * levels_;
@@ -123,22 +124,20 @@ void CellLikelihood::add_row_groups(const std::vector<double>& residual, RowOffs
       score[k] += slope * solved[k];
       rows.add_slopes(own, k, groups.samples[g], entries_[at + k].gain_slope, slope);
       diagonal[k] = slope * slope * weight_[at + k];
-      offset[k] = slope * offset_load_[at + k], gain[k] = slope * gain_load_[at + k];
+      loads[k] = slope * loads_[at + k];
     }
-    const PatternInverse& two = inverse_[cell].two;
+    const PatternInverse& patterns = inverse_[cell].patterns;
     const double n = groups.samples[g];
     if (many) {
-      rows.add_precision(own, n, diagonal.data(), offset.data(), gain.data());
+      rows.add_precision(own, n, diagonal.data(), loads.data());
       continue;
     }
     double* precision = rows.precision(own);
     for (size_t k = 0; k < levels_; ++k) {
       precision[k * levels_ + k] += n * diagonal[k];
       if (!pixels_) continue;
-      const double e0 = n * (two.i00 * offset[k] + two.i01 * gain[k]),
-                   e1 = n * (two.i01 * offset[k] + two.i11 * gain[k]);
-      for (size_t l = 0; l < levels_; ++l)
-        precision[k * levels_ + l] -= e0 * offset[l] + e1 * gain[l];
+      const PatternLoads e = n * (patterns.core * loads[k]);
+      for (size_t l = 0; l < levels_; ++l) precision[k * levels_ + l] -= e.dot(loads[l]);
     }
   }
 }
@@ -193,17 +192,15 @@ void CellLikelihood::add_lamps() {
     const double n = sorted_.samples[cell];
     solve(
         cell, [&](size_t k) { return residual_sum(cell, k); }, solved.data());
-    const PatternInverse& two = inverse_[cell].two;
+    const PatternInverse& patterns = inverse_[cell].patterns;
     for (size_t k = 0; k < levels_; ++k) {
       const double g = entries_[at + k].gain_slope;
       score[k] += g * solved[k];
       precision[k * levels_ + k] += n * g * g * weight_[at + k];
       if (!pixels_) continue;
-      const double offset = n * g * offset_load_[at + k], gain = n * g * gain_load_[at + k];
-      const double e0 = two.i00 * offset + two.i01 * gain, e1 = two.i01 * offset + two.i11 * gain;
+      const PatternLoads e = n * g * (patterns.core * loads_[at + k]);
       for (size_t l = 0; l < levels_; ++l)
-        precision[k * levels_ + l] -=
-            entries_[at + l].gain_slope * (offset_load_[at + l] * e0 + gain_load_[at + l] * e1);
+        precision[k * levels_ + l] -= entries_[at + l].gain_slope * loads_[at + l].dot(e);
     }
   }
   add_lamps_to_means(sums_, chain_.lamp_sigma, score, precision, total_);

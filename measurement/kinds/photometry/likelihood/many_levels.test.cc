@@ -22,7 +22,7 @@ PhotometryData stack(int levels) {
   for (int i = 0; i < 600; ++i) gain.push_back(gauss(random)), offset.push_back(gauss(random));
   for (int u = 0; u < 30; ++u) column.push_back(gauss(random));
   for (int l = 0; l < levels; ++l) {
-    data.levels.push_back({.illumination = 0.8 * l / levels, .exposure_s = 0.01});
+    data.levels.push_back({.illumination = 0.8 * l / levels, .exposure_s = 0.01 + 0.002 * l});
     for (int copy = 0; copy < 2; ++copy) {
       const auto frame = static_cast<int>(data.frames.size());
       data.levels.back().frames.push_back(frame);
@@ -63,6 +63,7 @@ TEST(PhotometryManyLevels, LikelihoodEqualsThatOfEverySample) {
        {std::string("row_noise: {sigma_dn: 0.6}"), light + "row_noise: {sigma_dn: 0.6}",
         light + "column_offsets: {sigma_dn: 0.5}",
         light + "row_noise: {sigma_dn: 0.6}, column_offsets: {sigma_dn: 0.5}",
+        light + "row_noise: {sigma_dn: 0.6}, dark_current_spread: {sigma_dn_per_s: 14}",
         light + "lamp_fluctuation: {sigma: 0.01}, shot_noise: {electrons_per_dn: 90}",
         light + "hot_pixels: {fraction: 0.01, level_dn: 9}, row_noise: {sigma_dn: 0.6}"}) {
     const effects::Model model = effects::Model::from_config(

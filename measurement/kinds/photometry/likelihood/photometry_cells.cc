@@ -104,7 +104,8 @@ void CellLikelihood::fill(size_t k, double illumination, double lamps,
   const double scale = effects::signal_dn(chain_, illumination, exposure) * lamps;
   // Without light and dark current all levels are one.
   const bool is_one_of_all =
-      scale == 0 && chain_.dark_electrons_per_s == 0 && chain_.maps.empty() &&
+      scale == 0 && chain_.dark_electrons_per_s == 0 && chain_.dark_sigma_dn_per_s == 0 &&
+      chain_.maps.empty() &&
       exposure.gain == data_.levels[sums_.present[dark_level_.value_or(k)]].gain;
   if (is_one_of_all && dark_level_) {
     for (size_t cell = 0; cell < sorted_.count(); ++cell)
@@ -323,7 +324,7 @@ std::optional<PhotometryScore> cell_score(const PhotometryData& data, const Phot
     return std::nullopt;
   const bool share = channels_share || data.channels == 1;
   const effects::SensorChain chain = effects::sensor_of(model);
-  const CellNeeds needs{.products = chain.pixel_offset_sigma_dn > 0 || chain.pixel_gain_sigma > 0,
+  const CellNeeds needs{.products = chain.has_pixel_patterns(),
                         .groups = chain.row_sigma_dn > 0 || chain.column_sigma_dn > 0};
   const auto cells = store.cells(data, sums, model, needs, near);
   return CellLikelihood(data, sums, *cells, store.dark_responses(), model, set_noise_dn, share)

@@ -31,8 +31,8 @@ class PatternPart {
       if (!sums.levels[l].frames.empty()) present_.push_back(l);
     }
     const size_t count = present_.size();
-    for (auto* v : {&r_, &inverse_, &load_offset_, &load_gain_, &solved_, &slope_, &column_})
-      v->resize(count);
+    for (auto* v : {&r_, &inverse_, &solved_, &slope_, &column_}) v->resize(count);
+    loads_.resize(count);
   }
 
   Quadratic run() {
@@ -65,9 +65,8 @@ class PatternPart {
   }
 
   bool has_patterns() const {
-    return chain_.pixel_offset_sigma_dn > 0 || chain_.pixel_gain_sigma > 0 ||
-           chain_.hot_fraction > 0 || chain_.weak_fraction > 0 || chain_.row_sigma_dn > 0 ||
-           chain_.column_sigma_dn > 0;
+    return chain_.has_pixel_patterns() || chain_.hot_fraction > 0 || chain_.weak_fraction > 0 ||
+           chain_.row_sigma_dn > 0 || chain_.column_sigma_dn > 0;
   }
 
   Quadratic plain() const {
@@ -92,29 +91,25 @@ class PatternPart {
       r_[k] = residual(k, i);
       inverse_[k] = static_cast<double>(sum.frames.size()) / level.variance[i];
       slope_[k] = level.offset_slope[i];
-      load_offset_[k] = chain_.pixel_offset_sigma_dn * level.offset_slope[i];
-      load_gain_[k] = chain_.pixel_gain_sigma * level.gain_slope[i];
+      loads_[k] = pattern_loads(chain_, data_.levels[present_[k]], level.offset_slope[i],
+                                level.gain_slope[i]);
     }
   }
 
   PatternInverse effects_of_sample() const {
-    if (chain_.pixel_offset_sigma_dn == 0 && chain_.pixel_gain_sigma == 0) return {};
-    return pattern_inverse(load_offset_.data(), load_gain_.data(), inverse_.data(),
-                           present_.size());
+    if (!chain_.has_pixel_patterns()) return {};
+    return pattern_inverse(loads_.data(), inverse_.data(), present_.size());
   }
 
   // out = Sigma^-1 x of this sample; returns x' Sigma^-1 x.
-  double solve(const PatternInverse& two, const std::vector<double>& x,
+  double solve(const PatternInverse& patterns, const std::vector<double>& x,
                std::vector<double>& out) const {
-    double b0 = 0, b1 = 0;
-    for (size_t k = 0; k < x.size(); ++k) {
-      b0 += load_offset_[k] * inverse_[k] * x[k];
-      b1 += load_gain_[k] * inverse_[k] * x[k];
-    }
-    const double e0 = two.i00 * b0 + two.i01 * b1, e1 = two.i01 * b0 + two.i11 * b1;
+    PatternLoads b = PatternLoads::Zero();
+    for (size_t k = 0; k < x.size(); ++k) b += inverse_[k] * x[k] * loads_[k];
+    const PatternLoads e = patterns.core * b;
     double sum = 0;
     for (size_t k = 0; k < x.size(); ++k) {
-      out[k] = inverse_[k] * (x[k] - load_offset_[k] * e0 - load_gain_[k] * e1);
+      out[k] = inverse_[k] * (x[k] - loads_[k].dot(e));
       sum += out[k] * x[k];
     }
     return sum;
@@ -123,11 +118,11 @@ class PatternPart {
   void add_sample(size_t i, int v, int c) {
     load_sample(i);
     const size_t count = present_.size();
-    const PatternInverse two = effects_of_sample();
-    total_.chi2 += solve(two, r_, solved_);
-    total_.log_det += two.log_det;
+    const PatternInverse patterns = effects_of_sample();
+    total_.chi2 += solve(patterns, r_, solved_);
+    total_.log_det += patterns.log_det;
     if (!structured_) {
-      if (lamps_) add_to_lamps(i, two);
+      if (lamps_) add_to_lamps(i, patterns);
       return;
     }
     const size_t unit = rows_.unit(v, c);
@@ -137,12 +132,10 @@ class PatternPart {
       rows_.add_slopes(unit, k, 1, prediction_.levels[present_[k]].gain_slope[i], slope_[k]);
       score[k] += slope_[k] * solved_[k];
       precision[k * count + k] += slope_[k] * slope_[k] * inverse_[k];
-      const double offset = load_offset_[k] * inverse_[k], gain = load_gain_[k] * inverse_[k];
-      const double e0 = two.i00 * offset + two.i01 * gain, e1 = two.i01 * offset + two.i11 * gain;
-      if (e0 == 0 && e1 == 0) continue;
+      const PatternLoads e = inverse_[k] * (patterns.core * loads_[k]);
+      if (e.isZero(0)) continue;
       for (size_t l = 0; l < count; ++l)
-        precision[k * count + l] -=
-            slope_[k] * slope_[l] * inverse_[l] * (load_offset_[l] * e0 + load_gain_[l] * e1);
+        precision[k * count + l] -= slope_[k] * slope_[l] * inverse_[l] * loads_[l].dot(e);
     }
   }
 
@@ -158,8 +151,8 @@ class PatternPart {
         if (kind > 0 && !(share[kind] > 0)) continue;
         is_odd_[i] = static_cast<char>(kind);
         load_sample(i);
-        const PatternInverse two = effects_of_sample();
-        const double here = -0.5 * solve(two, r_, solved_) + std::log(std::max(share[kind], 1e-6));
+        const double here =
+            -0.5 * solve(effects_of_sample(), r_, solved_) + std::log(std::max(share[kind], 1e-6));
         if (here > highest) highest = here, best = kind;
       }
       is_odd_[i] = static_cast<char>(best);
@@ -177,19 +170,17 @@ class PatternPart {
   }
 
   // Of sample i, which is loaded and solved.
-  void add_to_lamps(size_t i, const PatternInverse& two) {
+  void add_to_lamps(size_t i, const PatternInverse& patterns) {
     const size_t count = present_.size();
     for (size_t k = 0; k < count; ++k) {
       const double g = prediction_.levels[present_[k]].gain_slope[i];
       lamp_score_[k] += g * solved_[k];
       lamp_precision_[k * count + k] += g * g * inverse_[k];
-      const double offset = g * load_offset_[k] * inverse_[k],
-                   gain = g * load_gain_[k] * inverse_[k];
-      const double e0 = two.i00 * offset + two.i01 * gain, e1 = two.i01 * offset + two.i11 * gain;
-      if (e0 == 0 && e1 == 0) continue;
+      const PatternLoads e = g * inverse_[k] * (patterns.core * loads_[k]);
+      if (e.isZero(0)) continue;
       for (size_t l = 0; l < count; ++l)
-        lamp_precision_[k * count + l] -= prediction_.levels[present_[l]].gain_slope[i] *
-                                          inverse_[l] * (load_offset_[l] * e0 + load_gain_[l] * e1);
+        lamp_precision_[k * count + l] -=
+            prediction_.levels[present_[l]].gain_slope[i] * inverse_[l] * loads_[l].dot(e);
     }
   }
 
@@ -231,7 +222,8 @@ class PatternPart {
   bool share_;
   bool structured_ = false;
   std::vector<size_t> present_;  // Levels with frames.
-  std::vector<double> r_, inverse_, load_offset_, load_gain_, solved_, slope_, column_;
+  std::vector<double> r_, inverse_, solved_, slope_, column_;
+  std::vector<PatternLoads> loads_;
   std::vector<char> is_odd_;  // By sample: 0, 1 hot, 2 weak; empty: none is.
   bool lamps_ = false;
   std::vector<double> lamp_score_, lamp_precision_;

@@ -24,16 +24,10 @@ void add_effects(const VectorXd& variance, const VectorXd& score, const MatrixXd
 
 }  // namespace
 
-PatternInverse pattern_inverse(const double* offset, const double* gain, const double* inverse,
-                               size_t levels) {
-  double a00 = 1, a01 = 0, a11 = 1;
-  for (size_t k = 0; k < levels; ++k) {
-    a00 += offset[k] * offset[k] * inverse[k];
-    a01 += offset[k] * gain[k] * inverse[k];
-    a11 += gain[k] * gain[k] * inverse[k];
-  }
-  const double det = a00 * a11 - a01 * a01;
-  return {a11 / det, -a01 / det, a00 / det, std::log(det)};
+PatternInverse pattern_inverse(const PatternLoads* loads, const double* inverse, size_t levels) {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
+  for (size_t k = 0; k < levels; ++k) information += inverse[k] * loads[k] * loads[k].transpose();
+  return {.core = information.inverse(), .log_det = std::log(information.determinant())};
 }
 
 RowOffsets::RowOffsets(const PhotometryData& data, const PhotometrySums& sums, bool share,
@@ -53,17 +47,17 @@ RowOffsets::RowOffsets(const PhotometryData& data, const PhotometrySums& sums, b
     precision_.assign(units * levels_ * levels_, 0);
     return;
   }
-  for (auto* v : {&diagonal_, &offset_, &gain_}) v->assign(units * levels_, 0);
+  diagonal_.assign(units * levels_, 0);
+  loads_.assign(units * levels_, PatternLoads::Zero());
   samples_.assign(units, 0);
 }
 
-void RowOffsets::add_precision(size_t unit, double n, const double* diagonal, const double* offset,
-                               const double* gain) {
+void RowOffsets::add_precision(size_t unit, double n, const double* diagonal,
+                               const PatternLoads* loads) {
   const size_t at = unit * levels_;
   for (size_t k = 0; k < levels_; ++k) {
     diagonal_[at + k] += n * diagonal[k];
-    offset_[at + k] += n * offset[k];
-    gain_[at + k] += n * gain[k];
+    loads_[at + k] += n * loads[k];
   }
   samples_[unit] += n;
 }
@@ -89,18 +83,15 @@ RowOffsets::Information RowOffsets::information(size_t unit) const {
   // Columns are loads times D, the core that of the average sample.
   const double samples = std::max(samples_[unit], 1.0);
   Information P{.diagonal = Eigen::Map<const VectorXd>(&diagonal_[unit * levels_], n),
-                .columns = Eigen::MatrixX2d(n, 2)};
-  P.columns.col(0) = Eigen::Map<const VectorXd>(&offset_[unit * levels_], n);
-  P.columns.col(1) = Eigen::Map<const VectorXd>(&gain_[unit * levels_], n);
+                .columns = Eigen::MatrixX3d(n, 3)};
   const VectorXd weight = P.diagonal / samples;
-  Eigen::MatrixX2d load = Eigen::MatrixX2d::Zero(n, 2);
-  for (Index l = 0; l < n; ++l) {
-    if (P.diagonal[l] > 0) load.row(l) = P.columns.row(l) / P.diagonal[l];
+  std::vector<PatternLoads> loads(levels_, PatternLoads::Zero());
+  for (size_t l = 0; l < levels_; ++l) {
+    const auto row = static_cast<Index>(l);
+    P.columns.row(row) = loads_[unit * levels_ + l];
+    if (P.diagonal[row] > 0) loads[l] = loads_[unit * levels_ + l] / P.diagonal[row];
   }
-  const PatternInverse two =
-      pattern_inverse(load.col(0).data(), load.col(1).data(), weight.data(), levels_);
-  P.core << two.i00, two.i01, two.i01, two.i11;
-  P.core /= samples;
+  P.core = pattern_inverse(loads.data(), weight.data(), levels_).core / samples;
   return P;
 }
 
@@ -117,9 +108,9 @@ RowOffsets::Information RowOffsets::beside(size_t unit, const VectorXd& k, doubl
   }
   // It keeps its form: D / (1 + D k), U / (1 + D k), (Q^-1 - U' k / (1 + D k) U)^-1.
   const VectorXd less = (1 + P.diagonal.array() * k.array()).inverse();
-  const Eigen::Matrix2d G =
+  const Eigen::Matrix3d G =
       P.columns.transpose() * (k.array() * less.array()).matrix().asDiagonal() * P.columns;
-  const Eigen::Matrix2d inner = Eigen::Matrix2d::Identity() - G * P.core;
+  const Eigen::Matrix3d inner = Eigen::Matrix3d::Identity() - G * P.core;
   log_det += std::log(inner.determinant()) - less.array().log().sum();
   P.core = (P.core * inner.inverse()).eval();
   P.columns = (less.asDiagonal() * P.columns).eval();
@@ -135,9 +126,9 @@ std::vector<double> RowOffsets::estimate(size_t unit) const {
   VectorXd x;
   if (many_) {
     const VectorXd A = P.diagonal + ridge(P.diagonal);
-    const Eigen::MatrixX2d part = A.cwiseInverse().asDiagonal() * P.columns;
-    const Eigen::Matrix2d inner =
-        Eigen::Matrix2d::Identity() - P.columns.transpose() * part * P.core;
+    const Eigen::MatrixX3d part = A.cwiseInverse().asDiagonal() * P.columns;
+    const Eigen::Matrix3d inner =
+        Eigen::Matrix3d::Identity() - P.columns.transpose() * part * P.core;
     x = b.cwiseQuotient(A) + part * (P.core * inner.inverse() * (part.transpose() * b));
   } else {
     P.few.diagonal() += ridge(VectorXd(P.few.diagonal()));

@@ -1,4 +1,4 @@
-// Parts that photometry's likelihoods share: the Woodbury identity of a sample's two fixed
+// Parts that photometry's likelihoods share: the Woodbury identity of a sample's fixed
 // patterns, what the samples of a row have in common, and what those of a frame have.
 #pragma once
 
@@ -37,13 +37,21 @@ class LogSum {
   double product_ = 1, sum_ = 0;
 };
 
-// Inverse of 1 + A for a sample's gain and offset, A their information in its values.
+// What a level's mean of a sample moves by for one deviation of the sample's fixed offset, gain and
+// dark current.
+using PatternLoads = Eigen::Vector3d;
+inline PatternLoads pattern_loads(const effects::SensorChain& chain, const PhotometryLevel& level,
+                                  double offset_slope, double gain_slope) {
+  return {chain.pixel_offset_sigma_dn * offset_slope, chain.pixel_gain_sigma * gain_slope,
+          chain.dark_sigma_dn_per_s * level.dark_s() * offset_slope};
+}
+// Inverse of 1 + A for a sample's fixed patterns, A their information in its values.
 struct PatternInverse {
-  double i00 = 1, i01 = 0, i11 = 1, log_det = 0;
+  Eigen::Matrix3d core = Eigen::Matrix3d::Identity();
+  double log_det = 0;
 };
-// By level: the loads of offset and gain, and the inverse variance of the mean over frames.
-PatternInverse pattern_inverse(const double* offset, const double* gain, const double* inverse,
-                               size_t levels);
+// By level: the loads, and the inverse variance of the mean over frames.
+PatternInverse pattern_inverse(const PatternLoads* loads, const double* inverse, size_t levels);
 
 // What rows' samples say of an offset that they share, by row (and channel, where channels have
 // offsets of their own) and level. Sigma is a sample's own covariance between levels, s its slopes
@@ -64,9 +72,8 @@ class RowOffsets {
   // s_k (Sigma^-1)_kl s_l; of few levels.
   double* precision(size_t unit) { return &precision_[unit * levels_ * levels_]; }
   // The same of many: n samples of diagonal s_k^2 w_k whose loads times weights times slopes are
-  // `offset` and `gain`, by level.
-  void add_precision(size_t unit, double n, const double* diagonal, const double* offset,
-                     const double* gain);
+  // `loads`, by level.
+  void add_precision(size_t unit, double n, const double* diagonal, const PatternLoads* loads);
   // n samples' slopes by a factor of the light and by an offset: how a frame's light moves a row.
   void add_slopes(size_t unit, size_t level, double n, double by_light, double by_offset) {
     by_light_[unit * levels_ + level] += n * by_light;
@@ -85,8 +92,8 @@ class RowOffsets {
   struct Information {
     Eigen::MatrixXd few;
     Eigen::VectorXd diagonal;
-    Eigen::MatrixX2d columns;
-    Eigen::Matrix2d core;
+    Eigen::MatrixX3d columns;
+    Eigen::Matrix3d core;
 
     Eigen::VectorXd times(const Eigen::VectorXd& x) const;
     Eigen::MatrixXd whole() const;
@@ -101,7 +108,8 @@ class RowOffsets {
   size_t levels_;
   std::vector<double> frames_, score_, precision_;
   // By unit * levels + k.
-  std::vector<double> diagonal_, offset_, gain_, by_light_, by_offset_;
+  std::vector<double> diagonal_, by_light_, by_offset_;
+  std::vector<PatternLoads> loads_;
   std::vector<double> samples_;  // By unit.
 };
 

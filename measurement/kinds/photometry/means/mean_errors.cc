@@ -71,28 +71,33 @@ MatrixXd MeanErrors::loads_of_frame(const ImageCells& cells, const LevelMeans& l
   return loads;
 }
 
-// Offsets and gains of pixels, offsets of columns, and light that is fitted.
+// Offsets, gains and dark currents of pixels, offsets of columns, and light that is fitted.
 MatrixXd MeanErrors::loads_of_patterns(const ImageCells& cells, size_t l,
                                        const std::vector<char>& blank) const {
   const LevelMeans& level = levels_[l];
   const int units = share_ ? 1 : cells.channels();
   const Index offsets = chain_.pixel_offset_sigma_dn > 0 ? cells.count() : 0,
               gains = chain_.pixel_gain_sigma > 0 ? cells.count() : 0,
+              darks = chain_.dark_sigma_dn_per_s > 0 ? cells.count() : 0,
               columns = chain_.column_sigma_dn > 0 ? cells.grid().columns * units : 0;
   Index lights = 0, own = -1;
   for (size_t other = 0; other < blank.size(); ++other) {
     if (other == l && blank[other]) own = lights;
     lights += blank[other] != 0;
   }
-  MatrixXd loads = MatrixXd::Zero(cells.count(), offsets + gains + columns + lights);
+  MatrixXd loads = MatrixXd::Zero(cells.count(), offsets + gains + darks + columns + lights);
   for (Index k = 0; k < cells.count(); ++k) {
     const double mean = 1 / std::sqrt(std::max(1.0, level.values[k]));
     if (offsets > 0) loads(k, k) = chain_.pixel_offset_sigma_dn * mean * level.offset_slope[k];
     if (gains > 0) loads(k, offsets + k) = chain_.pixel_gain_sigma * mean * level.gain_slope[k];
+    if (darks > 0)
+      loads(k, offsets + gains + k) =
+          chain_.dark_sigma_dn_per_s * level.dark_s * mean * level.offset_slope[k];
+    const Index shared = offsets + gains + darks;
     if (columns > 0)
-      loads(k, offsets + gains + cells.column_of(k) * units + cells.channel_of(k) % units) =
+      loads(k, shared + cells.column_of(k) * units + cells.channel_of(k) % units) =
           chain_.column_sigma_dn / std::sqrt(cells.width_of(k)) * level.offset_slope[k];
-    if (own >= 0) loads(k, offsets + gains + columns + own) = kUnknownLight * level.gain_slope[k];
+    if (own >= 0) loads(k, shared + columns + own) = kUnknownLight * level.gain_slope[k];
   }
   return loads;
 }

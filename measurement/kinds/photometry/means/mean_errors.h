@@ -17,6 +17,7 @@ struct LevelMeans {
   Eigen::VectorXd mean, offset_slope, gain_slope;  // Averages over the cell; DN.
   Eigen::VectorXd values;                          // How many values a mean of one frame has.
   Eigen::VectorXd sigma;                           // Of their noise alone; 0: the mean is left out.
+  double dark_s = 0;                               // For which dark currents count.
 };
 
 // (1 + loads loads')^-1/2, which leaves each residual in its place.

@@ -14,12 +14,13 @@ using Eigen::MatrixXd;
 constexpr int kWidth = 6, kHeight = 4, kChannels = 2;
 // Two levels of light, the second's light not given.
 const std::vector<int> kLevelOfFrame = {0, 1, 1, 0, 1};
-constexpr double kNoise[] = {3, 4}, kOffset[] = {1, 0.8}, kLight[] = {0, 90};
+constexpr double kNoise[] = {3, 4}, kOffset[] = {1, 0.8}, kLight[] = {0, 90}, kDark_s[] = {0.5, 2};
 
 effects::SensorChain chain() {
   effects::SensorChain chain;
   chain.pixel_offset_sigma_dn = 2;
   chain.pixel_gain_sigma = 0.03;
+  chain.dark_sigma_dn_per_s = 1.1;
   chain.column_sigma_dn = 1.5;
   chain.row_sigma_dn = 1.2;
   chain.lamp_sigma = 0.02;
@@ -55,6 +56,8 @@ double covariance(const Value& a, const Value& b, bool share) {
   if (frame && sample) sum += kNoise[a.level] * kNoise[a.level];
   if (sample) sum += std::pow(sensor.pixel_offset_sigma_dn, 2) * offset;
   if (sample) sum += std::pow(sensor.pixel_gain_sigma, 2) * light;
+  if (sample)
+    sum += std::pow(sensor.dark_sigma_dn_per_s, 2) * kDark_s[a.level] * kDark_s[b.level] * offset;
   if (column && unit) sum += std::pow(sensor.column_sigma_dn, 2) * offset;
   if (frame && row && unit) sum += std::pow(sensor.row_sigma_dn, 2) * offset;
   if (frame) sum += std::pow(sensor.lamp_sigma, 2) * light;
@@ -85,7 +88,8 @@ TEST(MeanErrors, WhitenedMeansAreIndependentAndOfUnitSize) {
                         .offset_slope = same(kOffset[level]),
                         .gain_slope = same(kLight[level]),
                         .values = same(4),
-                        .sigma = same(kNoise[level] / 2)});
+                        .sigma = same(kNoise[level] / 2),
+                        .dark_s = kDark_s[level]});
     }
     const MeanErrors errors(cells, chain(), levels, kLevelOfFrame, share, {0, 1});
     MatrixXd of_values(average.cols(), average.cols());

@@ -33,7 +33,7 @@ LevelMeans level_means(const ImageCells& cells, const PhotometryData& data,
                        const std::vector<char>& left_out) {
   const LevelPrediction& predicted = prediction.levels[level];
   const CertainValues certain(data, prediction.chain);
-  LevelMeans out;
+  LevelMeans out{.dark_s = data.levels[level].dark_s()};
   out.values = cells.sums(left_out, [](size_t) { return 1.0; });
   const VectorXd each = out.values.cwiseMax(1).cwiseInverse();
   const auto average = [&](const std::vector<double>& values) {

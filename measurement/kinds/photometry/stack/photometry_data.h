@@ -37,6 +37,8 @@ struct PhotometryLevel {
 
   // Light that the sensor saw, in units of the illumination at the first frame's exposure.
   double light() const { return illumination * exposure_ratio * gain; }
+  // Seconds for which a pixel's dark current counts, at gain 1.
+  double dark_s() const { return exposure_s * gain; }
 };
 
 struct PhotometryFrame {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "effects/stages/geometry.h"
+#include "measurement/kinds/photometry/likelihood/photometry_rows.h"
 #include "measurement/numerics/linear_algebra.h"
 
 namespace seam::measurement {
@@ -13,11 +14,12 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-double weight(const effects::SensorChain& chain, double own2, const LevelPrediction& level,
-              size_t i) {
-  const double o = chain.pixel_offset_sigma_dn * level.offset_slope[i];
-  const double g = chain.pixel_gain_sigma * level.gain_slope[i];
-  return 1 / (own2 + o * o + g * g);
+// Of sample i at level l.
+PatternLoads loads_of(const PhotometryData& data, const PhotometryPrediction& prediction, size_t l,
+                      size_t i) {
+  const LevelPrediction& level = prediction.levels[l];
+  return pattern_loads(prediction.chain, data.levels[l], level.offset_slope[i],
+                       level.gain_slope[i]);
 }
 
 }  // namespace
@@ -44,8 +46,8 @@ std::vector<char> outstanding_samples(const PhotometryView& view,
       const LevelSums& sum = view.sums.levels[l];
       if (sum.frames.empty()) continue;
       const LevelPrediction& level = prediction.levels[l];
-      const double w =
-          weight(chain, level.variance[i] / static_cast<double>(sum.frames.size()), level, i);
+      const double w = 1 / (level.variance[i] / static_cast<double>(sum.frames.size()) +
+                            loads_of(view.data, prediction, l, i).squaredNorm());
       const double r = sum.mean[i] - level.mean[i];
       const auto square_from = [&](const std::vector<double>& mean) {
         if (mean.empty()) return std::numeric_limits<double>::infinity();
@@ -83,8 +85,8 @@ StructureTest MeanTests::run(const std::string& covariate, int count,
                              const PlaceBasis& basis) const {
   const auto fitted = static_cast<Eigen::Index>(directions_.size());
   const Eigen::Index n = count + fitted;
-  VectorXd statistic = VectorXd::Zero(n), b = VectorXd::Zero(n), own(n), offset(n), gain(n);
-  MatrixXd covariance = MatrixXd::Zero(n, n), gram = MatrixXd::Zero(n, n);
+  VectorXd statistic = VectorXd::Zero(n), b = VectorXd::Zero(n), own(n), offset(n);
+  MatrixXd patterns(n, 3), covariance = MatrixXd::Zero(n, n), gram = MatrixXd::Zero(n, n);
   const auto& chain = prediction_.chain;
   std::vector<VectorXd> columns(chain.column_sigma_dn > 0 ? data_.width_px : 0, VectorXd::Zero(n));
   const double row2 = chain.row_sigma_dn * chain.row_sigma_dn;
@@ -98,13 +100,14 @@ StructureTest MeanTests::run(const std::string& covariate, int count,
     for (int u = 0; u < data_.width_px; ++u) {
       for (int c = 0; c < data_.channels; ++c, ++i) {
         if (!outstanding_.empty() && outstanding_[i]) continue;
-        offset.setZero(), gain.setZero();
+        offset.setZero(), patterns.setZero();
         for (size_t l = 0; l < view_.sums.levels.size(); ++l) {
           const LevelSums& sum = view_.sums.levels[l];
           if (sum.frames.empty()) continue;
           const LevelPrediction& level = prediction_.levels[l];
           const double own2 = level.variance[i] / static_cast<double>(sum.frames.size());
-          const double w = weight(chain, own2, level, i);
+          const PatternLoads loads = loads_of(data_, prediction_, l, i);
+          const double w = 1 / (own2 + loads.squaredNorm());
           const SamplePlace place = place_of(data_, l, u, v, c);
           own.setZero();
           VectorXd& features = b;
@@ -115,16 +118,13 @@ StructureTest MeanTests::run(const std::string& covariate, int count,
           gram.selfadjointView<Eigen::Lower>().rankUpdate(features, w);
           covariance.selfadjointView<Eigen::Lower>().rankUpdate(features, w * w * own2);
           weights += w;
-          if (chain.pixel_offset_sigma_dn > 0 || !columns.empty())
-            offset += w * level.offset_slope[i] * features;
-          if (chain.pixel_gain_sigma > 0) gain += w * level.gain_slope[i] * features;
+          if (!columns.empty()) offset += w * level.offset_slope[i] * features;
+          if (chain.has_pixel_patterns()) patterns += w * features * loads.transpose();
           if (!rows.empty()) rows[l] += w * level.offset_slope[i] * features;
           if (!lamps.empty()) lamps[l] += w * level.gain_slope[i] * features;
         }
-        const double o2 = chain.pixel_offset_sigma_dn * chain.pixel_offset_sigma_dn;
-        if (o2 > 0) covariance.selfadjointView<Eigen::Lower>().rankUpdate(offset, o2);
-        const double g2 = chain.pixel_gain_sigma * chain.pixel_gain_sigma;
-        if (g2 > 0) covariance.selfadjointView<Eigen::Lower>().rankUpdate(gain, g2);
+        if (chain.has_pixel_patterns())
+          covariance.selfadjointView<Eigen::Lower>().rankUpdate(patterns);
         if (!columns.empty()) columns[u] += offset;
       }
     }
