@@ -9,6 +9,7 @@ import sys
 
 import numpy as np
 
+import imu_camera
 from draws import Draw
 from sets import MadeSet, Plan, model_text, rows
 
@@ -213,15 +214,21 @@ def imus(plan, effect=None):
                    hidden={effect: parameters(effect, values)} if hidden else {}, noise_stated=True)
 
 
-def make(out, effect, number):
-    """A set in a folder of its own, with its nominal model. Returns the true values."""
-    made = imus(Plan(f"imus+{effect}", 2 * number + (effect != "nothing")))
+def write(made, out):
+    """A set in a folder of its own, with its nominal model."""
     out = pathlib.Path(out)
     out.mkdir(parents=True)
     (out / "measurement.yaml").write_text(f"format: seam-measurement/1\nkind: imu\n{made.settings}")
     for name, lines in made.tables.items():
         (out / name).write_text("\n".join(lines) + "\n")
     (out / "nominal.yaml").write_text(model_text("nominal", made.nominal))
+
+
+def make(out, effect, number):
+    """Writes a set, and returns the true values."""
+    plan = Plan(f"imus+{effect}", 2 * number + (effect != "nothing"))
+    made = imu_camera.imus(plan) if effect in imu_camera.EFFECTS else imus(plan)
+    write(made, out)
     return made.hidden.get(effect, {})
 
 

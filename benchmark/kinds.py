@@ -1,5 +1,6 @@
 """All sorts of sets, each with the function that makes one."""
 import imu
+import imu_camera
 import outside
 from boards import boards, videos
 from flats import flats
@@ -12,12 +13,12 @@ from walks import walks
 SORTS = {"boards": boards, "videos": videos, "servos": servos, "motors": motors, "landmarks": landmarks, "walks": walks,
          "wheels": walks, "flats": flats}
 # A sort that is made with an effect alone.
-ALONE = {"imus": imu.imus}
+ALONE = {"imus": lambda plan: (imu_camera if plan.cause in imu_camera.EFFECTS else imu).imus(plan)}
 # Causes that people have, each alone in the sets of a sort.
 CAUSES = [f"{sort}+{cause}" for sort, causes in {
     "flats": ("dark_current_spread",), "boards": ("focal_drift", "flat_port"), "videos": ("focal_drift",), "landmarks": ("mount_offset", "wall_excess"),
     "motors": ("friction_asymmetry", "motor_heating", "elastic_joint"), "servos": ("gear_ripple", "elastic_joint"),
-    "walks": ("tracker_offset", "turn_asymmetry"), "imus": imu.EFFECTS}.items() for cause in causes]
+    "walks": ("tracker_offset", "turn_asymmetry"), "imus": (*imu.EFFECTS, *imu_camera.EFFECTS)}.items() for cause in causes]
 # Causes outside the catalogue, each alone in the sets of a sort.
 OUTSIDE = outside.sorts()
 

@@ -144,7 +144,9 @@
   X(accel_saturation)         \
   X(accel_vibration)          \
   X(imu_clock)                \
-  X(imu_jitter)
+  X(imu_jitter)               \
+  X(camera_imu_offset)        \
+  X(camera_imu_rotation)
 
 namespace seam::effects {
 

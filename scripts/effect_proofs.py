@@ -46,6 +46,17 @@ def turned(roll, pitch, yaw, x, y, z):
     return x, y, z
 
 
+def spun(vector, x, y, z):
+    """A point turned by the length of the vector about its direction, by quaternions."""
+    angle = math.sqrt(sum(part * part for part in vector))
+    w, i, j, k = math.cos(angle / 2), *(math.sin(angle / 2) * part / angle for part in vector)
+
+    def times(a, b):
+        return (a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3], a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+                a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1], a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0])
+    return times(times((w, i, j, k), (0, x, y, z)), (w, -i, -j, -k))[1:]
+
+
 def vibrating(line_hz, width_hz, skew, at_hz, rate_hz, folds=3000):
     """Power of samples of an oscillator that white noise drives, of its deflection and its rate by `skew`, folded at the rate
     again and again, and what is left of it beyond."""
@@ -541,6 +552,12 @@ PROOFS = [
     ("imu_clock", [-150], [], {"sample_distance_s": "1 / (100 * (1 + p[0] * 1e-6))"}),
     ("imu_jitter", [0.001], [], {"stamp_sigma_s": "p[0]"}),
     ("imu_jitter", [0.02], [], {"stamp_sigma_s": "p[0]"}),
+    ("camera_imu_offset", [0.005, 0.5], [("exposure_s", 0.008)], {"camera_offset_s": "p[0] + p[1] * exposure_s"}),
+    ("camera_imu_offset", [-0.02, -0.5], [("exposure_s", 0.01)], {"camera_offset_s": "p[0] + p[1] * exposure_s"}),
+    ("camera_imu_rotation", [0.3, -0.2, 0.4], [("wx_camera_radps", 1), ("wy_camera_radps", 2), ("wz_camera_radps", 3)],
+     {f"w{axis}_turned_radps": f"spun(p, 1, 2, 3)[{number}]" for number, axis in enumerate("xyz")}),
+    ("camera_imu_rotation", [-1.5, 0.1, 0.2], [("wx_camera_radps", 0.5)],
+     {f"w{axis}_turned_radps": f"spun(p, 0.5, 0, 0)[{number}]" for number, axis in enumerate("xyz")}),
     ("gyro_bias", [0.01, -0.02, 0.03], [], {"wx_radps": "p[0]", "wy_radps": "p[1]", "wz_radps": "p[2]"}),
     ("gyro_bias", [-0.5, 0.25, 0.125], [("wx_radps", 1), ("wy_radps", 2), ("wz_radps", 3)], {"wx_radps": "1 + p[0]", "wy_radps": "2 + p[1]", "wz_radps": "3 + p[2]"}),
     ("gyro_scale", [0.01, -0.02, 0.03], [("wx_radps", 1), ("wy_radps", 2), ("wz_radps", -3)], {"wx_radps": "1 + p[0]", "wy_radps": "2 * (1 + p[1])", "wz_radps": "-3 * (1 + p[2])"}),
@@ -596,7 +613,7 @@ def proof_of(effect, values, given, expected, tolerance=None):
     names = {name: value for name, value in given}
     names.update(p=values, math=math, root=root, play=play, turned=turned, walked=walked, fisheye=fisheye, slid=slid,
                  tangential=tangential, rational=rational, swung=swung, sprung=sprung, beside=beside,
-                 rolled=rolled, elastic=elastic, through_port=through_port, vibrating=vibrating)
+                 rolled=rolled, elastic=elastic, through_port=through_port, vibrating=vibrating, spun=spun)
     found = {name: eval(text, dict(names)) for name, text in expected.items()}
     pairs = lambda items: "{" + ", ".join(f'{{"{name}", {number(value)}}}' for name, value in items) + "}"
     text = f"{{.values = {{{', '.join(number(v) for v in values)}}}"

@@ -73,6 +73,45 @@ def test_ros(folder):
         refused("ros", folder / name, out=folder / "alone", words=["/cmd_vel (geometry_msgs/Twist, 400 messages)", "--map"])
 
 
+def test_imu(folder):
+    """Readings of sensor_msgs/Imu in both forms, by the stamps of their headers; what a driver does not have is left out."""
+    rng = np.random.default_rng(3)
+    gyro, accel = 0.01 * rng.normal(size=(400, 3)), rng.normal(size=(400, 3)) + [0, 0, 9.81]
+
+    def messages(ros1, topic, no_gyro=False, odd=None):
+        out = []
+        for k in range(400):
+            message = Cdr(ros1).header(7 + 0.005 * k).put("d", 0, 0, 0, 1, -1, *[0] * 8)
+            message.put("d", *gyro[k], -1 if no_gyro or k == odd else 1e-4, *[0] * 8, *accel[k], 1e-2, *[0] * 8)
+            out.append((topic, "sensor_msgs/Imu", 9 + 0.005 * k, message.data))
+        return out
+
+    for ros1, name, packing in ((False, "two.mcap", "zstd"), (True, "one.bag", "none"), (True, "bz2.bag", "bz2")):
+        write = lambda data: (folder / name).write_bytes((ros1_bag if ros1 else mcap_file)(data, packing))
+        write(messages(ros1, "/imu0"))
+        said = imported("imu", folder / name, out=folder / f"imu-{name}")
+        assert "readings of /imu0" in said, said
+        rows = rows_of(folder / f"imu-{name}" / "imu.csv")
+        assert len(rows) == 400
+        for row, g, a in zip(rows, gyro, accel):
+            assert [float(row[f"w{axis}_radps"]) for axis in "xyz"] == list(g)
+            assert [float(row[f"a{axis}_mps2"]) for axis in "xyz"] == list(a)
+        assert abs(float(rows[399]["time_s"]) - float(rows[0]["time_s"]) - 399 * 0.005) < 1e-6
+        write(messages(ros1, "/imu0") + messages(ros1, "/imu1", no_gyro=True))
+        refused("imu", folder / name, out=folder / "none", words=["found 2 topics of sensor_msgs/Imu", "--map imu=TOPIC", "/imu1 ("])
+        imported("imu", folder / name, "--map", "imu=/imu1", out=folder / f"second-{name}")
+        assert "wx_radps" not in rows_of(folder / f"second-{name}" / "imu.csv")[0]
+        write(messages(ros1, "/imu0", odd=100))
+        refused("imu", folder / name, out=folder / "none", words=["/imu0: some messages say that they have no angular velocity"])
+        write(bag_messages(ros1)[0])
+        refused("imu", folder / name, out=folder / "none", words=["found 0 topics of sensor_msgs/Imu", "/joint_states ("])
+    # A file a run, of either form.
+    (folder / "two.mcap").write_bytes(mcap_file(messages(False, "/imu0")))
+    (folder / "one.bag").write_bytes(ros1_bag(messages(True, "/imu0")))
+    imported("imu", folder / "two.mcap", folder / "one.bag", out=folder / "both")
+    assert {row["run"] for row in rows_of(folder / "both" / "imu.csv")} == {"1 two", "2 one"}
+
+
 RULE = "=" * 80 + "\n"
 POINT = RULE + """MSG: trajectory_msgs/JointTrajectoryPoint
 float64[] positions

@@ -37,7 +37,7 @@ def discovered(folder):
     return json.loads(out.read_text())
 
 
-class Sets(unittest.TestCase):
+class Case(unittest.TestCase):
     def setUp(self):
         self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
 
@@ -56,6 +56,8 @@ class Sets(unittest.TestCase):
             self.assertLess(abs(seen["value"] - value), 5 * sigma + 0.03 * abs(value), (name, value, seen))
         return found, folder
 
+
+class Sets(Case):
     def follows_the_curve(self, found):
         curves = {curve["of"]: curve for curve in found["curves"]}
         for point in curves["wx_radps"]["points"]:
@@ -171,6 +173,78 @@ class Sets(unittest.TestCase):
 
     def test_temperature(self):
         self.is_found("gyro_temperature")
+
+
+class BesideACamera(Case):
+    def test_offset_with_the_exposure_and_its_export(self):
+        found, folder = self.is_found("camera_imu_offset", 1)
+        offset = found["steps"][0]["parameters"]["offset_s"]
+        self.assertLess(offset["sigma"], 3e-4)
+        self.assertIn("At the usual exposure", found["findings"][0]["text"])
+        args = ("export", folder / "found.yaml", "--to", "kalibr-imu-cam", "--out", folder / "rig.yaml")
+        self.assertIn("times the exposure of a run", run(*args))
+        text = (folder / "rig.yaml").read_text()
+        self.assertAlmostEqual(float(re.search("timeshift_cam_imu: (.*)", text)[1]), offset["value"], places=9)
+        # Kalibr's matrix takes vectors in the sensor's axes to the camera's.
+        rows = np.array([[float(v) for v in row.split(",")] for row in re.findall(r"- \[(.*)\]", text)])
+        model = (folder / "found.yaml").read_text()
+        turn = np.array([float(re.search(rf"camera_imu_rotation.*{axis}_rad: {{value: ([^,]*)", model)[1]) for axis in "xyz"])
+        to_sensor = imu.imu_camera.turn(turn)
+        for vector in np.eye(3):
+            there = imu.imu_camera.product(imu.imu_camera.product(to_sensor, [0, *vector]), to_sensor * [1, -1, -1, -1])[1:]
+            np.testing.assert_allclose(rows[:3, :3] @ there, vector, atol=1e-9)
+        np.testing.assert_array_equal(rows[:, 3], [0, 0, 0, 1])
+        bare = self.folder / "bare.yaml"
+        bare.write_text("format: seam-model/1\nname: bare\neffects:\n  gyro_bias: {x_radps: 0.1}\n")
+        self.assertIn("camera_imu_offset", run("export", bare, *args[2:], code=1))
+        # A model that has it is asked for nothing more.
+        again = folder / "again.json"
+        run("diagnose", "--model", folder / "found.yaml", "--data", folder, "--json", again)
+        self.assertEqual(json.loads(again.read_text())["verdict"], "adequate")
+
+    def test_rotation(self):
+        self.is_found("camera_imu_rotation", 2)
+
+    def test_nothing_beside_a_camera(self):
+        folder = self.folder / "null"
+        imu.write(imu.imu_camera.imus(imu.Plan("imus+camera_imu_offset", 4)), folder)
+        found = discovered(folder)
+        self.assertEqual((found["steps"], found["verdict"]), ([], "adequate"), found["headline"])
+
+    def test_what_a_set_must_have(self):
+        folder = self.folder / "set"
+        imu.make(folder, "camera_imu_offset", 3)
+        views = folder / "attitudes.csv"
+        lines = [line.split(",") for line in views.read_text().splitlines()]
+
+        def with_columns(*names):
+            at = [lines[0].index(name) for name in names]
+            views.write_text("".join(",".join(cells[i] for i in at) + "\n" for cells in lines))
+
+        def refused(*words):
+            said = run("compare", "--model", folder / "nominal.yaml", "--data", folder, code=1)
+            for word in words:
+                self.assertIn(word, said)
+
+        with_columns("time_s", "qw", "qx", "qy", "qz")
+        refused("attitudes.csv: found no standard errors of the attitudes", "sigma_rad")
+        with_columns("time_s", "qw", "qx", "qy", "sigma_rad")
+        refused("attitudes.csv", "qz")
+        views.write_text("".join(",".join([*cells[:4], "0.9" if number else "qz", *cells[5:]]) + "\n" for number, cells in enumerate(lines)))
+        refused("attitudes.csv:2", "qw, qx, qy, qz of length 1")
+        with_columns("time_s", "qw", "qx", "qy", "qz", "sigma_rad")
+        out = folder / "d.json"
+        run("diagnose", "--model", folder / "nominal.yaml", "--data", folder, "--json", out)
+        self.assertIn("attitudes have no exposure_s that differs", out.read_text())
+        views.write_text("".join(",".join([str(float(cells[0]) + 900) if number else cells[0], *cells[1:]]) + "\n"
+                                 for number, cells in enumerate(lines)))
+        refused("found 0 pairs of views", "bring both to one clock within 0.5 s")
+        run("measure", "--model", folder / "nominal.yaml", "--protocol", folder, "--out", self.folder / "no", code=1)
+        # Without a camera nothing is asked of one.
+        rest = self.folder / "rest"
+        imu.make(rest, "gyro_bias", 1)
+        run("diagnose", "--model", rest / "nominal.yaml", "--data", rest, "--json", out)
+        self.assertIn("no camera was beside the sensor: the set has no attitudes", out.read_text())
 
 
 class Import(unittest.TestCase):

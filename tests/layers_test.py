@@ -133,7 +133,7 @@ ROOMS = {
             "import/servo": ["import/draft", "import/files", "import/bags"],
             "import/cameras": ["import/draft", "import/files", "import/pictures", "exchange", "."],
             "import/kinds": ["import/draft", "import/files", "import/bags", "import/pictures", "import/servo", "import/cameras", "exchange", "logs", "."],
-            "import/tracks": ["import/draft", "import/files", "import/kinds"], "import": ["import/draft", "import/files", "import/kinds", "import/servo", "import/tracks"],
+            "import/tracks": ["import/draft", "import/files", "import/kinds", "import/bags"], "import": ["import/draft", "import/files", "import/kinds", "import/servo", "import/tracks"],
             "sweep/plan": [".", "session"], "sweep": [".", "session", "sweep/plan"],
             "bundle": [".", "session", "sweep", "sweep/plan"]},
     "detector": {".": []},

@@ -284,6 +284,9 @@ const std::vector<ExchangeFormat>& exchange_formats() {
       {.name = "vins-imu",
        .help = "the same for the YAML of VINS-Mono and VINS-Fusion: acc_n, gyr_n, acc_w, gyr_w",
        .text_of_imu = vins_imu_text},
+      {.name = "kalibr-imu-cam",
+       .help = "of a camchain-imucam.yaml: T_cam_imu without the lever arm, and timeshift_cam_imu",
+       .text_of_rig = kalibr_rig_text},
       {.name = "json",
        .help = "all of the model, with its sigmas",
        .ending = ".json",
@@ -310,6 +313,7 @@ Exported export_model(const Model& model, const ExchangeFormat& format,
     return {.text = format.text_of_all(model), .form = "", .notes = {}};
   if (format.text_of_servo != nullptr) return export_servo(model, format, options);
   if (format.text_of_imu != nullptr) return export_imu(model, format, options);
+  if (format.text_of_rig != nullptr) return export_rig(model, format, options);
   return Exporter(model, format, options).run();
 }
 

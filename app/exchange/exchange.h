@@ -14,6 +14,10 @@
 #include "effects/stages/timing.h"
 #include "sim_core/base/pose.h"
 
+namespace seam::effects {
+struct Inertial;  // stages/noise.h
+}
+
 namespace seam::app {
 
 // A camera as formats hold it.
@@ -56,6 +60,8 @@ struct ExchangeFormat {
   bool holds_gain = false;
   // Of a format that holds the noise of inertial sensors.
   std::string (*text_of_imu)(const PlainImu& imu) = nullptr;
+  // Of one that holds how a camera and an inertial sensor stand to each other.
+  std::string (*text_of_rig)(const effects::Inertial& inertial) = nullptr;
 };
 
 const std::vector<ExchangeFormat>& exchange_formats();

@@ -86,6 +86,38 @@ std::string vins_imu_text(const PlainImu& imu) {
       root * imu.gyro_walk);
 }
 
+Exported export_rig(const Model& model, const ExchangeFormat& format,
+                    const ExportOptions& options) {
+  check_drops(model, options);
+  const effects::Inertial rig = effects::inertial_of(model);
+  if (rig.camera_offset_s == 0 && rig.camera_turn_rad == effects::Triad{})
+    throw InputError(
+        fmt::format("{} holds how a camera and an inertial sensor stand to each other, expected a "
+                    "model with 'camera_imu_offset' or 'camera_imu_rotation'",
+                    format.name));
+  Exported out{.text = format.text_of_rig(rig), .form = "", .notes = {}};
+  if (rig.camera_offset_of_exposure != 0)
+    out.notes.push_back(
+        fmt::format("the file holds one offset, that of no exposure: add {:.6g} times the exposure "
+                    "of a run to timeshift_cam_imu",
+                    rig.camera_offset_of_exposure));
+  out.notes.emplace_back("the lever arm between both is 0 in the file: no turn shows it");
+  return out;
+}
+
+// R_CI gives vectors in the sensor's axes in those of the camera; their time is the camera's plus
+// the shift.
+std::string kalibr_rig_text(const effects::Inertial& inertial) {
+  const Mat3 R_IC = effects::camera_axes(inertial);
+  std::string text =
+      "# The lever arm is not estimated: its three numbers are 0.\ncam0:\n  T_cam_imu:\n";
+  for (int row = 0; row < 3; ++row)
+    text += fmt::format("  - [{:.12f}, {:.12f}, {:.12f}, 0.0]\n", R_IC[row][0], R_IC[row][1],
+                        R_IC[row][2]);
+  return text + fmt::format("  - [0.0, 0.0, 0.0, 1.0]\n  timeshift_cam_imu: {:.9g}\n",
+                            inertial.camera_offset_s);
+}
+
 Exported export_imu(const Model& model, const ExchangeFormat& format,
                     const ExportOptions& options) {
   check_drops(model, options);

@@ -18,4 +18,9 @@ struct PlainImu {
 std::string kalibr_imu_text(const PlainImu& imu);
 std::string vins_imu_text(const PlainImu& imu);
 
+// As export_model, of formats that hold how a camera and an inertial sensor stand to each other.
+Exported export_rig(const effects::Model& model, const ExchangeFormat& format,
+                    const ExportOptions& options);
+std::string kalibr_rig_text(const effects::Inertial& inertial);
+
 }  // namespace seam::app

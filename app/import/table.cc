@@ -142,9 +142,10 @@ const std::vector<ImportKind>& import_kinds() {
                     (has(servo_names().commands) && has(servo_names().measured));
            }},
       {.name = "imu",
-       .help = "readings of a gyroscope, an accelerometer or both, CSV, a file a run",
+       .help =
+           "readings of a gyroscope, an accelerometer or both, CSV or a bag of ROS, a file a run",
        .options = {"map", "unit", "time-unit"},
-       .quantities = {"time", "gx", "gy", "gz", "ax", "ay", "az", "temperature"},
+       .quantities = {"time", "gx", "gy", "gz", "ax", "ay", "az", "temperature", "imu"},
        .own_units = true,
        .fill = import_imu,
        .what = "readings of inertial sensors",

@@ -26,6 +26,13 @@ Quantities inertial_outcome(const Model& model, const Quantities& given) {
   }
   out.push_back({"sample_distance_s", dt_s / (1 + 1e-6 * inertial.clock_ppm)});
   out.push_back({"stamp_sigma_s", inertial.stamp_sigma_s});
+  out.push_back({"camera_offset_s", inertial.camera_offset_s + inertial.camera_offset_of_exposure *
+                                                                   value_of(given, "exposure_s")});
+  const Vec3 turned = camera_axes(inertial) * Vec3(value_of(given, "wx_camera_radps"),
+                                                   value_of(given, "wy_camera_radps"),
+                                                   value_of(given, "wz_camera_radps"));
+  for (int axis = 0; axis < 3; ++axis)
+    out.push_back({std::string("w") + "xyz"[axis] + "_turned_radps", turned[axis]});
   return out;
 }
 

@@ -75,6 +75,10 @@ struct Inertial {
   Triad gyro_per_force{};    // Of a gyroscope's axis by the force along it, (rad/s) / (m/s^2).
   double clock_ppm = 0;      // How much faster its clock runs than the one that stamps its samples,
   double stamp_sigma_s = 0;  // and by how much the stamps scatter.
+  // A camera on the same body: the sensor's time is the camera's plus this, and plus so much of the
+  // exposure. Its axes are the sensor's turned by a vector.
+  double camera_offset_s = 0, camera_offset_of_exposure = 0;
+  Triad camera_turn_rad{};
 };
 
 struct Noise {

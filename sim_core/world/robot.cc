@@ -5,6 +5,7 @@
 
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
+#include "sim_core/body/turn.h"
 #include "sim_core/world/robot_figure.h"
 
 namespace seam {
@@ -35,15 +36,6 @@ JointAngles joints_at_start(const RobotSpec& spec) {
   gait_angles(spec.body, 0, {}, initial);
   for (size_t j = 0; j < kHeadJoints; ++j) initial[j] = spec.head_rad[j];
   return initial;
-}
-
-// The turn's vector from R_WA to R_WB, the same in both frames: its axis, as long as its angle.
-Vec3 turn_between(const Mat3& R_WA, const Mat3& R_WB) {
-  const Mat3 R = glm::transpose(R_WA) * R_WB;
-  const Vec3 sine = 0.5 * Vec3(R[1][2] - R[2][1], R[2][0] - R[0][2], R[0][1] - R[1][0]);
-  const double length = glm::length(sine);
-  if (length == 0) return sine;
-  return maths::atan2(length, 0.5 * (R[0][0] + R[1][1] + R[2][2] - 1)) / length * sine;
 }
 
 }  // namespace
@@ -244,8 +236,9 @@ SensorTruth Robot::sense(SimTime time, double fraction, SimDuration interval) co
   const double h = interval.s();
   const Vec3 acceleration_W = (origin_[2] - 2.0 * origin_[1] + origin_[0]) / (h * h);
   truth.motion_B.force_mps2 = glm::transpose(X_WB.R) * (acceleration_W + Vec3(0, 0, kGravity));
-  truth.motion_B.rate_radps =
-      turn_between(body_pose(track.points.front(), 0).R, body_pose(track.points.back(), 1).R) / h;
+  truth.motion_B.rate_radps = turn_of(glm::transpose(body_pose(track.points.front(), 0).R) *
+                                      body_pose(track.points.back(), 1).R) /
+                              h;
   if (spec_->body.tree.present()) return truth;
   const auto paws_B = paws(time);
   for (size_t i = 0; i < kLegs; ++i) {

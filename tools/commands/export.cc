@@ -49,6 +49,7 @@ app::ExportOptions options_of(const ExportFlags& flags, const app::ExchangeForma
       options.gains = gains_of(measurement::MeasurementSet::open(flags.data));
     return options;
   }
+  if (format.text_of_rig != nullptr) return options;
   if (format.text_of_imu != nullptr) {
     if (!flags.data.empty())
       options.rate_hz = rate_of(measurement::MeasurementSet::open(flags.data));

@@ -18,7 +18,7 @@ using nlohmann::json;
 
 bool holds_kind(const ExchangeFormat& format, const std::string& kind) {
   if (format.text_of_servo != nullptr) return kind == "joints";
-  if (format.text_of_imu != nullptr) return kind == "imu";
+  if (format.text_of_imu != nullptr || format.text_of_rig != nullptr) return kind == "imu";
   const bool of_camera = kind == "points" || kind == "frames" || kind == "outcomes";
   return format.text_of_all != nullptr || of_camera;
 }

@@ -1,4 +1,5 @@
-// `seam import imu`: tables of a gyroscope, an accelerometer or both, a file a run.
+// `seam import imu`: tables or bags of ROS with a gyroscope, an accelerometer or both, a file a
+// run.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,6 +7,7 @@
 #include "app/import/draft/checks.h"
 #include "app/import/files/text_table.h"
 #include "app/import/kinds/kinds.h"
+#include "app/import/tracks/imu_bag.h"
 #include "app/import/tracks/track.h"
 #include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
@@ -69,6 +71,8 @@ class ImuImport {
 
  private:
   void read(const TextTable& table, const std::string& name);
+  void read_bag(const std::filesystem::path& bag, const std::string& name);
+  void add(Run run, const std::string& file, const RowPlace& place);
   double unit_of(size_t axis, const std::string& column) const;
   void find_gravity();
   std::string white_noise(size_t first, const char* effect, const char* parameter) const;
@@ -125,18 +129,30 @@ void ImuImport::read(const TextTable& table, const std::string& name) {
     }
     if (warmth >= 0) run.temperature_c.push_back(table.number_or_blank(row, at(warmth)));
   }
-  check_times(
-      run.ns, [&](size_t i) { return fmt::format("{}:{}", table.file(), run.lines[i]); }, request_,
-      1, draft_);
+  const std::vector<int> lines = run.lines;
+  add(std::move(run), table.file() + ":1",
+      [&](size_t i) { return fmt::format("{}:{}", table.file(), lines[i]); });
+}
+
+void ImuImport::read_bag(const std::filesystem::path& bag, const std::string& name) {
+  ImuBag read = read_imu_bag(bag, request_, draft_);
+  Run run{.name = name, .ns = std::move(read.ns), .values = std::move(read.values)};
+  const std::vector<int64_t> ns = run.ns;
+  add(std::move(run), bag.string(), [&](size_t i) {
+    return fmt::format("{}: {} at {} s", bag.string(), read.topic, seconds_text(ns[i]));
+  });
+}
+
+void ImuImport::add(Run run, const std::string& file, const RowPlace& place) {
+  check_times(run.ns, place, request_, 1, draft_);
   if (!runs_.empty()) {
     const Run& first = runs_.front();
     for (size_t axis = 0; axis < kAxes; ++axis) {
       if (first.values[axis].empty() != run.values[axis].empty())
-        throw InputError(fmt::format("{}:1: expected the sensors of the first file", table.file()));
+        throw InputError(fmt::format("{}: expected the sensors of the first file", file));
     }
     if (first.temperature_c.empty() != run.temperature_c.empty())
-      throw InputError(
-          fmt::format("{}:1: expected a temperature in all files or in none", table.file()));
+      throw InputError(fmt::format("{}: expected a temperature in all files or in none", file));
   }
   runs_.push_back(std::move(run));
 }
@@ -193,12 +209,19 @@ std::string ImuImport::white_noise(size_t first, const char* effect, const char*
 
 void ImuImport::run() {
   std::vector<TextTable> tables;
-  for (const auto& source : request_.sources) tables.push_back(TextTable::read(source));
-  check_columns_met(request_, tables);
-  for (size_t i = 0; i < tables.size(); ++i)
-    read(tables[i], tables.size() == 1
-                        ? "1"
-                        : fmt::format("{} {}", i + 1, request_.sources[i].stem().string()));
+  for (const auto& source : request_.sources)
+    if (!is_ros_bag(source)) tables.push_back(TextTable::read(source));
+  if (!tables.empty()) check_columns_met(request_, tables);
+  size_t table = 0, number = 0;
+  for (const auto& source : request_.sources) {
+    ++number;
+    const std::string name =
+        request_.sources.size() == 1 ? "1" : fmt::format("{} {}", number, source.stem().string());
+    if (is_ros_bag(source))
+      read_bag(source, name);
+    else
+      read(tables[table++], name);
+  }
   find_gravity();
   std::vector<std::string> names = {"run", "time_s"};
   const Run& first = runs_.front();

@@ -7,6 +7,7 @@
 
 #include "effects/stages/inertial/vibration.h"
 #include "sim_core/base/maths.h"
+#include "sim_core/body/turn.h"
 
 namespace seam::effects {
 namespace {
@@ -37,6 +38,11 @@ InertialSample measured_by(const Inertial& inertial, const InertialSample& truth
     of_force[axis] = inertial.gyro_per_force[axis] * truth.force_mps2[axis];
   return {reported(inertial.gyro, truth.rate_radps, of_force, temperature_c),
           reported(inertial.accel, truth.force_mps2, Vec3(0.0), temperature_c)};
+}
+
+Mat3 camera_axes(const Inertial& inertial) {
+  const auto& [x, y, z] = inertial.camera_turn_rad;
+  return rotation_by(Vec3(x, y, z));
 }
 
 double smooth_noise_power(const InertialSensor& sensor, size_t axis, double omega, double dt_s) {

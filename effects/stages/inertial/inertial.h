@@ -35,6 +35,9 @@ struct InertialSample {
 InertialSample measured_by(const Inertial& inertial, const InertialSample& truth,
                            double temperature_c);
 
+// R_IC, which gives vectors in a camera's axes (x right, y down, z forward) in those of the sensor.
+Mat3 camera_axes(const Inertial& inertial);
+
 // See above; omega above 0 and up to pi. The first without vibrations, whose lines are narrow.
 double smooth_noise_power(const InertialSensor& sensor, size_t axis, double omega, double dt_s);
 double noise_power(const InertialSensor& sensor, size_t axis, double omega, double dt_s);

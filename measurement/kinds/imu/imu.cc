@@ -6,6 +6,7 @@
 
 #include "effects/stages/inertial/vibration.h"
 #include "measurement/kinds/imu/allan.h"
+#include "measurement/kinds/imu/imu_camera.h"
 #include "measurement/kinds/imu/stamps.h"
 #include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
@@ -286,8 +287,12 @@ Evaluation ImuProblem::evaluate(const Model& model, const Groups& groups, const 
 }
 
 void ImuProblem::check_model(const Model& model) const {
+  expect_inertial(*this, model);
+}
+
+void expect_inertial(const Problem& problem, const Model& model) {
   for (const effects::ModelEffect& effect : model.effects()) {
-    if (acts(*effect.definition)) continue;
+    if (problem.acts(*effect.definition)) continue;
     throw InputError(fmt::format(
         "effect '{}' does not act on inertial sensors, expected a model of a gyroscope or an "
         "accelerometer (seam effects lists them under `inertial`)",
@@ -341,6 +346,7 @@ Kind imu_kind() {
                            .keys = {"run", "time_s"},
                            .measured = {kImuColumns.begin(), kImuColumns.end()}},
           .open = [](const MeasurementSet& set, const Instruments&) -> std::unique_ptr<Problem> {
+            if (set.has_file("attitudes")) return std::make_unique<ImuCameraProblem>(set);
             return std::make_unique<ImuProblem>(set);
           },
           .measure = [](const Model& truth, const MeasurementSet& protocol,

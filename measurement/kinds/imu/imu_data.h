@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "measurement/problem/facts.h"
+#include "measurement/problem/problem.h"
 #include "measurement/sets/set.h"
 #include "sim_core/base/pose.h"
 
@@ -50,6 +50,9 @@ struct ImuData {
   double rate_hz = 0;  // By the sensor's own clock; 0: not known.
   size_t left = 0;     // Samples that are in no stretch.
 };
+
+// Throws InputError for a model with an effect that does not act on inertial sensors.
+void expect_inertial(const Problem& problem, const Model& model);
 
 // Reads and checks imu.csv. `measured` false: a protocol, readings are not looked at.
 ImuData read_imu(const MeasurementSet& set, bool measured);

@@ -6,6 +6,7 @@
 #include "effects/stages/inertial/vibration.h"
 #include "measurement/kinds/imu/cosine_transform.h"
 #include "measurement/kinds/imu/imu.h"
+#include "sim_core/base/error.h"
 #include "sim_core/base/random.h"
 
 namespace seam::measurement {
@@ -54,6 +55,11 @@ std::vector<double> stamps_by(const effects::Inertial& inertial, const ImuData& 
 
 void measure_imu(const Model& truth, const MeasurementSet& protocol,
                  const MeasureOptions& options) {
+  if (protocol.has_file("attitudes"))
+    throw InputError(fmt::format(
+        "{}: a protocol with the attitudes of a camera, expected one of readings alone: what turns "
+        "a body between two views is not known",
+        protocol.root.file()));
   const ImuData data = read_imu(protocol, false);
   const CsvTable table = protocol.table("imu");
   const effects::Inertial inertial = effects::inertial_of(truth);

@@ -1,0 +1,197 @@
+#include "measurement/kinds/imu/camera_turns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "measurement/kinds/imu/imu_data.h"
+#include "measurement/numerics/robust.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/maths.h"
+#include "sim_core/body/turn.h"
+
+namespace seam::measurement {
+namespace {
+
+// Views farther apart are not compared: a gyroscope's bias adds up, and a turn may pass half of
+// one.
+constexpr double kMostApart_s = 1;
+constexpr double kMostTurn_rad = 2.5;
+// Steps of the sensor's time longer than so many usual ones are gaps.
+constexpr double kCameraGap = 3;
+
+void read_gyroscope(const MeasurementSet& set, CameraData& data, int64_t& first_ns) {
+  const CsvTable table = set.table("imu");
+  std::vector<std::vector<double>> columns;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    if (!table.has(kImuColumns[axis]))
+      throw InputError(fmt::format("{}: found no column {}, expected a gyroscope's {}, {}, {}",
+                                   table.file(), kImuColumns[axis], kImuColumns[0], kImuColumns[1],
+                                   kImuColumns[2]));
+    columns.push_back(table.numbers(kImuColumns[axis]));
+  }
+  const std::vector<int64_t> time_ns = table.times_ns("time_s");
+  if (table.has(kImuWarmth)) data.temperature_c = table.numbers(kImuWarmth);
+  if (table.rows() < kLeastSamples)
+    throw InputError(fmt::format("{}: found {} samples, expected {} or more", table.file(),
+                                 table.rows(), kLeastSamples));
+  first_ns = time_ns.front();
+  for (size_t row = 0; row < table.rows(); ++row) {
+    if (row > 0 && time_ns[row] <= time_ns[row - 1])
+      table.fail(row, "time_s", table.cell(row, "time_s"),
+                 "a later time than that of the row before");
+    data.at_s.push_back(1e-9 * static_cast<double>(time_ns[row] - first_ns));
+    data.rate_radps.emplace_back(columns[0][row], columns[1][row], columns[2][row]);
+  }
+}
+
+std::vector<Vec3> variances_of(const CsvTable& table) {
+  std::vector<Vec3> variances(table.rows());
+  if (!table.has("sigma_rad") && !table.has("sigma_x_rad"))
+    throw InputError(fmt::format(
+        "{}: found no standard errors of the attitudes, expected a column sigma_rad, or "
+        "sigma_x_rad, sigma_y_rad, sigma_z_rad about the camera's axes",
+        table.file()));
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string name =
+        table.has("sigma_rad") ? "sigma_rad" : fmt::format("sigma_{}_rad", "xyz"[axis]);
+    const std::vector<double> sigma = table.numbers(name);
+    for (size_t row = 0; row < sigma.size(); ++row) {
+      if (!(sigma[row] > 0))
+        table.fail(row, name, table.cell(row, name), "a standard error of more than 0");
+      variances[row][axis] = sigma[row] * sigma[row];
+    }
+  }
+  return variances;
+}
+
+void read_views(const CsvTable& table, int64_t first_ns, CameraData& data) {
+  const std::vector<int64_t> time_ns = table.times_ns("time_s");
+  const std::vector<double> w = table.numbers("qw"), x = table.numbers("qx"),
+                            y = table.numbers("qy"), z = table.numbers("qz");
+  const std::vector<Vec3> variances = variances_of(table);
+  std::vector<double> exposure_s(table.rows(), 0);
+  if (table.has("exposure_s")) exposure_s = table.numbers("exposure_s");
+  for (size_t row = 0; row < table.rows(); ++row) {
+    if (row > 0 && time_ns[row] <= time_ns[row - 1])
+      table.fail(row, "time_s", table.cell(row, "time_s"),
+                 "a later time than that of the row before");
+    constexpr double kOff = 0.01;  // More than digits that were cut.
+    const double size = w[row] * w[row] + x[row] * x[row] + y[row] * y[row] + z[row] * z[row];
+    if (std::abs(size - 1) > kOff)
+      table.fail(row, "qw", table.cell(row, "qw"), "qw, qx, qy, qz of length 1");
+    data.views.push_back({.line = static_cast<int>(row) + 2,
+                          .at_s = 1e-9 * static_cast<double>(time_ns[row] - first_ns),
+                          .R_WC = rotation_from_quaternion(w[row], x[row], y[row], z[row]),
+                          .variance = variances[row],
+                          .exposure_s = exposure_s[row]});
+  }
+  const auto [least, most] = std::minmax_element(exposure_s.begin(), exposure_s.end());
+  data.knows_exposure = !exposure_s.empty() && *least != *most;
+}
+
+// Whether the gyroscope reads without a gap around both views, whatever the offset.
+bool covers(const CameraData& data, double usual_s, double from_s, double to_s) {
+  const std::vector<double>& at = data.at_s;
+  const double early_s = from_s - kMostOffset_s, late_s = to_s + kMostOffset_s;
+  if (early_s < at.front() || late_s > at.back()) return false;
+  auto i = static_cast<size_t>(std::upper_bound(at.begin(), at.end(), early_s) - at.begin());
+  for (; i < at.size() && at[i - 1] < late_s; ++i)
+    if (at[i] - at[i - 1] > kCameraGap * usual_s) return false;
+  return true;
+}
+
+// The inverse of the right Jacobian of a turn's vector.
+Eigen::Matrix3d added_by_turns_behind(const Vec3& turn) {
+  const double angle = glm::length(turn);
+  Eigen::Matrix3d across;
+  across << 0, -turn.z, turn.y, turn.z, 0, -turn.x, -turn.y, turn.x, 0;
+  constexpr double kSmall = 1e-3;  // There the series says it to 1e-9 and better.
+  const double twice = angle < kSmall ? 1.0 / 12
+                                      : 1 / (angle * angle) - (1 + maths::cos(angle)) /
+                                                                  (2 * angle * maths::sin(angle));
+  return Eigen::Matrix3d::Identity() + 0.5 * across + twice * across * across;
+}
+
+}  // namespace
+
+CameraData read_camera(const MeasurementSet& set) {
+  CameraData data;
+  int64_t first_ns = 0;
+  read_gyroscope(set, data, first_ns);
+  read_views(set.table("attitudes"), first_ns, data);
+  std::vector<double> steps;
+  for (size_t i = 1; i < data.at_s.size(); ++i) steps.push_back(data.at_s[i] - data.at_s[i - 1]);
+  const double usual_s = median_of(steps);
+  std::vector<char> met(data.views.size(), 0);
+  for (size_t i = 1; i < data.views.size(); ++i) {
+    const AttitudeView &from = data.views[i - 1], &to = data.views[i];
+    const Vec3 turn = turn_of(glm::transpose(from.R_WC) * to.R_WC);
+    if (to.at_s - from.at_s > kMostApart_s || glm::length(turn) > kMostTurn_rad ||
+        !covers(data, usual_s, from.at_s, to.at_s))
+      continue;
+    // A turn by a small vector behind a turn adds this to its vector; before it, the transposed.
+    const Eigen::Matrix3d behind = added_by_turns_behind(turn);
+    data.turns.push_back({i - 1, i, turn, behind, behind.transpose()});
+    met[i - 1] = met[i] = 1;
+  }
+  data.left = static_cast<size_t>(std::count(met.begin(), met.end(), 0));
+  constexpr size_t kLeastTurns = 30;  // Ten parts of three.
+  if (data.turns.size() < kLeastTurns)
+    throw InputError(fmt::format(
+        "{}: found {} pairs of views less than {} s apart, with readings of the gyroscope from {} "
+        "s "
+        "before to {} s after them, expected {} or more: bring both to one clock within {} s",
+        set.file("attitudes").string(), data.turns.size(), kMostApart_s, kMostOffset_s,
+        kMostOffset_s, kLeastTurns, kMostOffset_s));
+  return data;
+}
+
+GyroPath::GyroPath(const CameraData& data, const effects::Inertial& inertial) : data_(&data) {
+  const auto read = [&](const Vec3& rate, size_t sample) {
+    const double warmth =
+        data.temperature_c.empty() ? effects::kBiasAt_c : data.temperature_c[sample];
+    return effects::measured_by(inertial, {.rate_radps = rate}, warmth).rate_radps;
+  };
+  // Readings are linear in the rate.
+  Mat3 by_rate;
+  const Vec3 none = read(Vec3(0.0), 0);
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 one(0.0);
+    one[axis] = 1;
+    by_rate[axis] = read(one, 0) - none;
+  }
+  const Mat3 back = glm::inverse(by_rate);
+  rate_.resize(data.at_s.size());
+  R_0I_.assign(data.at_s.size(), Mat3(1.0));
+  for (size_t i = 0; i < data.at_s.size(); ++i) {
+    rate_[i] = back * (data.rate_radps[i] - read(Vec3(0.0), i));
+    if (i == 0) continue;
+    const double step_s = data.at_s[i] - data.at_s[i - 1];
+    R_0I_[i] = R_0I_[i - 1] * rotation_by(0.5 * step_s * (rate_[i - 1] + rate_[i]));
+  }
+}
+
+size_t GyroPath::before(double at_s) const {
+  const std::vector<double>& at = data_->at_s;
+  const auto next = static_cast<size_t>(std::upper_bound(at.begin(), at.end(), at_s) - at.begin());
+  return std::clamp<size_t>(next, 1, at.size() - 1) - 1;
+}
+
+Vec3 GyroPath::rate(double at_s) const {
+  const size_t i = before(at_s);
+  const double share = (at_s - data_->at_s[i]) / (data_->at_s[i + 1] - data_->at_s[i]);
+  return rate_[i] + share * (rate_[i + 1] - rate_[i]);
+}
+
+Mat3 GyroPath::attitude(double at_s) const {
+  const size_t i = before(at_s);
+  return R_0I_[i] * rotation_by(0.5 * (at_s - data_->at_s[i]) * (rate_[i] + rate(at_s)));
+}
+
+Vec3 GyroPath::turn(double from_s, double to_s) const {
+  return turn_of(glm::transpose(attitude(from_s)) * attitude(to_s));
+}
+
+}  // namespace seam::measurement
