@@ -33,10 +33,23 @@ def draw_effect(draw, name, seen):
             "dark_current": lambda: {"electrons_per_s": draw.uniform(500, 4000)},
             "lamp_fluctuation": lambda: {"sigma": draw.uniform(0.5, 1.5) * seen / middle},
             "shot_noise": lambda: {"electrons_per_dn": draw.log_uniform(0.8, 6)},
+            "tap_gain": lambda: taps(draw, seen / middle),
+            "periodic_pattern": lambda: {"amplitude_dn": draw.uniform(0.2, 1) * seen,
+                                         "period_px": draw.log_uniform(2.5, 16),
+                                         "angle_rad": draw.choice((0, math.pi / 2, draw.uniform(-1.5, 1.5))),
+                                         "phase_rad": draw.uniform(-3, 3)},
             "dust ring": lambda: {"depth": draw.uniform(2, 5) * seen / middle, "u_px": draw.uniform(15, 48),
                                   "v_px": draw.uniform(12, 36), "radius_px": draw.uniform(6, 12)},
             "image lag": lambda: {"share": draw.uniform(0.005, 0.02)}}.get(
                 name, lambda: outside.draw_of_sensor(draw, name, seen / middle))()
+
+
+def taps(draw, share):
+    """Two halves, or stripes; now and then both."""
+    sizes = {"right_half": draw.signed(1, 5), "lower_half": draw.signed(1, 5), "odd_columns": draw.signed(0.3, 3),
+             "odd_rows": draw.signed(0.3, 3)}
+    act = draw.sample(sizes, draw.choice((1, 1, 2)))
+    return {name: share * size if name in act else 0.0 for name, size in sizes.items()}
 
 
 def gain_field(effects):
@@ -46,11 +59,20 @@ def gain_field(effects):
     dim, plane = effects.get("vignetting", {}), effects.get("uneven_lighting", {})
     field = 1 - dim.get("a2", 0) * rho2 - dim.get("a4", 0) * rho2 ** 2
     field = field * (1 + plane.get("gx", 0) * (u / (WIDTH - 1) - 0.5) + plane.get("gy", 0) * (v / (HEIGHT - 1) - 0.5))
+    tap = effects.get("tap_gain", {})
+    for name, there in (("right_half", u >= WIDTH // 2), ("lower_half", v >= HEIGHT // 2), ("odd_columns", u % 2),
+                        ("odd_rows", v % 2)):
+        field = field * (1 + tap.get(name, 0) * there)
     if "dust ring" in effects:
         ring = effects["dust ring"]
         distance = np.hypot(u - ring["u_px"], v - ring["v_px"])
         field = field * (1 - ring["depth"] * np.exp(-((distance - ring["radius_px"]) / 2.0) ** 2))
     return field
+
+
+def wave_of(amplitude_dn, period_px, angle_rad, phase_rad):
+    v, u = np.mgrid[0:HEIGHT, 0:WIDTH].astype(float)
+    return amplitude_dn * np.sin(2 * math.pi * (u * math.cos(angle_rad) + v * math.sin(angle_rad)) / period_px + phase_rad)
 
 
 class Sensor:
@@ -65,6 +87,8 @@ class Sensor:
         self.fixed = effects.get("pixel_offset_spread", {}).get("sigma_dn", 0) * draw.of("offsets").normal(size=shape)
         self.dark = effects.get("dark_current_spread", {}).get("sigma_dn_per_s", 0) * draw.of("darks").normal(size=shape)
         self.fixed += effects.get("column_offsets", {}).get("sigma_dn", 0) * draw.of("columns").normal(size=(1, WIDTH))
+        if "periodic_pattern" in effects:
+            self.fixed += wave_of(**effects["periodic_pattern"])
         self.before = np.zeros(shape)
 
     def frame(self, number, light, exposure_ratio, exposure_s):

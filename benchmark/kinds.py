@@ -16,7 +16,7 @@ SORTS = {"boards": boards, "videos": videos, "servos": servos, "motors": motors,
 ALONE = {"imus": lambda plan: (imu_camera if plan.cause in imu_camera.EFFECTS else imu).imus(plan)}
 # Causes that people have, each alone in the sets of a sort.
 CAUSES = [f"{sort}+{cause}" for sort, causes in {
-    "flats": ("dark_current_spread",), "boards": ("focal_drift", "flat_port"), "videos": ("focal_drift",), "landmarks": ("mount_offset", "wall_excess"),
+    "flats": ("dark_current_spread", "tap_gain", "periodic_pattern"), "boards": ("focal_drift", "flat_port"), "videos": ("focal_drift",), "landmarks": ("mount_offset", "wall_excess"),
     "motors": ("friction_asymmetry", "motor_heating", "elastic_joint"), "servos": ("gear_ripple", "elastic_joint"),
     "walks": ("tracker_offset", "turn_asymmetry"), "imus": (*imu.EFFECTS, *imu_camera.EFFECTS)}.items() for cause in causes]
 # Causes outside the catalogue, each alone in the sets of a sort.

@@ -31,7 +31,7 @@ DEPENDS_ON = {
     "wheels": {"oval wheel": ("distance",), "slope": ("heading",), "warm tyres": ("time", "distance"),
                "carpet": ("x_moved", "y_moved"), "compass": ("heading",)},
     "flats": {"dust ring": PIXELS, "image lag": ("time", "illumination"), "dew": (*PIXELS, "time"), "Newton rings": PIXELS,
-              "two taps": PIXELS, "light leak": (*PIXELS, "exposure_s"), "fading lamp": ("time",), "odd rows": PIXELS},
+              "light leak": (*PIXELS, "exposure_s"), "fading lamp": ("time",)},
 }
 
 
@@ -183,9 +183,8 @@ def draw_of_sensor(draw, cause, share):
     """`share`: the noise of a value over the value."""
     return {"dew": lambda: {"depth": draw.uniform(4, 10) * share}, "Newton rings": lambda: {
                 "depth": draw.uniform(1, 3) * share, "rings": draw.uniform(3, 6)},
-            "two taps": lambda: {"share": draw.signed(2, 5) * share}, "light leak": lambda: {"dn": draw.uniform(20, 60)},
-            "fading lamp": lambda: {"share": draw.uniform(3, 8) * share},
-            "odd rows": lambda: {"share": draw.uniform(1, 3) * share}}[cause]()
+            "light leak": lambda: {"dn": draw.uniform(20, 60)},
+            "fading lamp": lambda: {"share": draw.uniform(3, 8) * share}}[cause]()
 
 
 def gain_beside(effects, u, v, width, height, at):
@@ -194,5 +193,4 @@ def gain_beside(effects, u, v, width, height, at):
     field = 1 - of(effects, "dew", "depth") * at * np.exp(-2 * rho2)
     field = field + of(effects, "Newton rings", "depth") * np.cos(
         2 * math.pi * of(effects, "Newton rings", "rings") * rho2)
-    field = field + of(effects, "two taps", "share") * (u >= width // 2)
-    return (field + of(effects, "odd rows", "share") * (v % 2)) * (1 - of(effects, "fading lamp", "share") * at)
+    return field * (1 - of(effects, "fading lamp", "share") * at)

@@ -69,6 +69,7 @@
   X(vignetting)               \
   X(veiling_glare)            \
   X(amplifier_glow)           \
+  X(tap_gain)                 \
   X(uneven_lighting)          \
   X(lamp_flicker)             \
   X(lamp_fluctuation)         \

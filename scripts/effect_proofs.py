@@ -371,6 +371,8 @@ PROOFS = [
      {"own_light": "p[0] * math.exp(-p[3] * math.hypot(177 - u_px, 143 - v_px))"}),
     ("amplifier_glow", [0.2, -0.6, 0, 0.03, 0, 2], [("u_px", 15), ("v_px", 7)],
      {"own_light": "p[0] * math.exp(-(p[3] * (u_px - 17.7))**2)"}),
+    ("tap_gain", [0.02, -0.01, 0.003, 0.005], [("u_px", 89), ("v_px", 71)], {"gain": "(1 + p[0]) * (1 + p[2]) * (1 + p[3])"}),
+    ("tap_gain", [0.02, -0.01, 0.003, 0.005], [("u_px", 88), ("v_px", 72)], {"gain": "1 + p[1]"}),
     ("uneven_lighting", [0.1, -0.05], [("u_px", 0), ("v_px", 143)], {"gain": "1 - p[0] / 2 + p[1] / 2"}),
     ("uneven_lighting", [0.2, 0.4], [("u_px", 132.75), ("v_px", 71.5)], {"gain": "1 + p[0] / 4"}),
     ("lamp_flicker", [100, 0.1, 0.3], [("start_s", 0.123)], {"lamp": "1 + p[1] * math.sin(2 * math.pi * p[0] * start_s + p[2])"}),
