@@ -211,6 +211,63 @@ class BesideACamera(Case):
         found = discovered(folder)
         self.assertEqual((found["steps"], found["verdict"]), ([], "adequate"), found["headline"])
 
+    def test_from_a_video_of_a_board_to_the_offset(self):
+        """Pictures of a board give the attitudes with their errors; these, beside the gyroscope, the offset."""
+        turn, product = imu.imu_camera.turn, imu.imu_camera.product
+        rng = np.random.default_rng(8)
+        offset_s, video, rig = 0.013, self.folder / "video", self.folder / "rig"
+
+        def attitude(t):  # Of the camera before the board, whose axes are the sensor's.
+            x, y = 0.2 * np.sin(5.1 * t), 0.25 * np.sin(3.7 * t + 1)
+            swung = product(turn(np.stack([0 * t, y, 0 * t], -1)), turn(np.stack([x, 0 * t, 0 * t], -1)))
+            return product(swung, turn(np.stack([0 * t, 0 * t, 0.3 * np.sin(4.3 * t)], -1)))
+
+        def rate(t, h=1e-4):
+            return product(attitude(t - h) * [1, -1, -1, -1], attitude(t + h))[..., 1:] / h
+
+        board = np.array([[x, y, 0.0] for y in np.arange(-3, 4) for x in np.arange(-4, 5)]) * 0.04
+        stamps = np.round(1 + 0.05 * np.arange(160), 3)
+        lines = ["frame,time_s,point,x_m,y_m,z_m,u_px,v_px"]
+        there = attitude(stamps + offset_s)
+        for frame, (t, q) in enumerate(zip(stamps, there)):
+            # The camera turns about a place 0.6 m before the board.
+            beside = board + [0, 0, 0.6]
+            seen = np.array([product(product(q * [1, -1, -1, -1], [0, *point]), q)[1:] for point in beside])
+            pixels = 320 + 400 * seen[:, 0] / seen[:, 2], 240 + 400 * seen[:, 1] / seen[:, 2]
+            for number, (u, v) in enumerate(zip(*(p + 0.2 * rng.normal(size=len(board)) for p in pixels))):
+                lines.append(f"{frame},{t:.3f},{number},{board[number][0]:.3f},{board[number][1]:.3f},0,{u:.4f},{v:.4f}")
+        video.mkdir()
+        (video / "points.csv").write_text("\n".join(lines) + "\n")
+        (video / "measurement.yaml").write_text("format: seam-measurement/1\nkind: points\ncamera: {width_px: 640, height_px: 480}\n"
+                                                "noise: {u_px: 0.2, v_px: 0.2}\ngroup: frame\nfiles: {points: points.csv}\nrig: {pose: unknown}\n")
+        camera = self.folder / "camera.yaml"
+        camera.write_text("format: seam-model/1\nname: camera\neffects:\n  pinhole: {fx_px: 400, fy_px: 400, cx_px: 320, cy_px: 240}\n")
+        rig.mkdir()
+        said = run("compare", "--model", camera, "--data", video, "--attitudes-out", rig / "attitudes.csv")
+        self.assertNotIn("warning", said)
+        found = np.genfromtxt(rig / "attitudes.csv", delimiter=",", names=True)
+        self.assertEqual(found["time_s"].tolist(), stamps.tolist())
+        # What turns the true attitude into the one found, about the camera's axes, over its error.
+        q = np.stack([found[name] for name in ("qw", "qx", "qy", "qz")], -1)
+        apart = 2 * product(there * [1, -1, -1, -1], q)
+        apart = apart[:, 1:] * np.sign(apart[:, :1]) / np.stack([found[f"sigma_{axis}_rad"] for axis in "xyz"], -1)
+        self.assertLess(np.max(np.abs(np.mean(apart ** 2, axis=0) - 1)), 5 * math.sqrt(2 / len(stamps)))
+        sampled = np.round(0.005 * np.arange(2000), 3)
+        read = rate(sampled) + 1e-3 * rng.normal(size=(len(sampled), 3))
+        np.savetxt(rig / "imu.csv", np.column_stack([sampled, read]), "%.9g", ",", header="time_s,wx_radps,wy_radps,wz_radps", comments="")
+        (rig / "measurement.yaml").write_text("format: seam-measurement/1\nkind: imu\nfiles: {imu: imu.csv, attitudes: attitudes.csv}\n")
+        (rig / "nominal.yaml").write_text("format: seam-model/1\nname: rig\neffects:\n  gyro_bias: {x_radps: {value: 0, free: true}, "
+                                          "y_radps: {value: 0, free: true}, z_radps: {value: 0, free: true}}\n")
+        steps = discovered(rig)["steps"]
+        self.assertEqual([step["effect"] for step in steps], ["camera_imu_offset"])
+        value = steps[0]["parameters"]["offset_s"]
+        self.assertLess(abs(value["value"] - offset_s), 4 * value["sigma"])
+        self.assertLess(value["sigma"], 1e-3)
+        # Of other sets there is nothing to write.
+        out = self.folder / "none.csv"
+        self.assertIn("no poses of a camera to write", run("compare", "--model", rig / "nominal.yaml", "--data", rig, "--attitudes-out", out, code=1))
+        self.assertFalse(out.exists())
+
     def test_what_a_set_must_have(self):
         folder = self.folder / "set"
         imu.make(folder, "camera_imu_offset", 3)

@@ -108,6 +108,7 @@ AnalysisOutputs::AnalysisOutputs(const AnalysisFlags& flags, const std::string& 
   report = OutputFile(flags.report, rules);
   out = OutputFile(out_file, rules);
   target = OutputFile(flags.target_out, rules);
+  attitudes = OutputFile(flags.attitudes_out, rules);
 }
 
 void AnalysisOutputs::print(const std::string& text,

@@ -21,8 +21,9 @@ struct AnalysisFlags {
   std::string leave_out;  // Rows of the set that take no part.
   std::string json;
   std::string report;
-  std::string target;      // Where the points of the target are, of an earlier fit.
-  std::string target_out;  // Where to write where this one finds them.
+  std::string target;         // Where the points of the target are, of an earlier fit.
+  std::string target_out;     // Where to write where this one finds them.
+  std::string attitudes_out;  // Where to write how the camera was turned in each view.
   double material = measurement::kMaterial;
   app::OutcomeRunsOptions runs;  // Of sets of outcomes.
 };
@@ -71,6 +72,7 @@ struct AnalysisOutputs {
   OutputFile report;
   OutputFile out;
   OutputFile target;
+  OutputFile attitudes;
 
  private:
   app::TerminalProgress progress_;

@@ -1,5 +1,6 @@
 // `seam compare`: residuals of a model on held-out groups, and where they fail; or two models
 // beside each other over the image.
+#include "measurement/problem/views.h"
 #include "measurement/report/lens_map.h"
 #include "measurement/report/report.h"
 #include "measurement/sets/set.h"
@@ -14,6 +15,7 @@ void compare_with_data(const AnalysisFlags& flags) {
   AnalysisOutputs outputs(flags);
   const effects::Model model = read_model(flags.model);
   const auto problem = open_problem(flags);
+  if (outputs.attitudes) outputs.attitudes.fill(measurement::attitudes_table(*problem, model));
   const auto result = measurement::compare(*problem, model, flags.material);
   const auto doubts = doubts_about(flags, model, result.base.assessment.error);
   outputs.print(measurement::compare_text(*problem, result, doubts),
@@ -58,6 +60,9 @@ void add_compare(app::Command app) {
                      "Two models instead: how their images differ over the set's camera");
   add_data_flags(command, *flags, true);
   add_material_flag(command, *flags);
+  command.add_option("--attitudes-out", flags->attitudes_out,
+                     "Of points with unknown poses: writes how the camera was turned in each view, "
+                     "for a set with an inertial sensor");
   command.footer(
       "Examples:\n"
       "  seam compare --model nominal.yaml --data sets/points-a --json compare.json\n"
@@ -65,6 +70,10 @@ void add_compare(app::Command app) {
   command.callback([flags, models] {
     if (flags->model.empty() == models->empty() || (!models->empty() && models->size() != 2))
       throw UsageError("compare: expected --model MODEL, or --models A B with two models");
+    if (flags->model.empty() && !flags->attitudes_out.empty())
+      throw UsageError(
+          "compare: --attitudes-out needs --model: two models are compared without "
+          "views");
     if (flags->model.empty() && !flags->leave_out.empty())
       throw UsageError("compare: --leave-out needs --model: two models are compared without rows");
     if (models->empty()) {

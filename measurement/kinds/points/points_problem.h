@@ -14,12 +14,13 @@
 #include "measurement/kinds/points/points_scatter.h"
 #include "measurement/kinds/points/target/pose_solver.h"
 #include "measurement/kinds/points/target_adjustment.h"
+#include "measurement/problem/views.h"
 
 namespace seam::measurement {
 
 class PointsPredictor;
 
-class PointsProblem : public Problem {
+class PointsProblem : public Problem, public HasViews {
  public:
   explicit PointsProblem(const MeasurementSet& set);
 
@@ -53,6 +54,7 @@ class PointsProblem : public Problem {
   // Focal lengths and centre, with what effects change of them.
   std::vector<Figure> figures(const Model& model) const override;
   std::vector<PlacedPoint> placed_points(const Model& model) const override;
+  std::vector<PlacedView> placed_views(const Model& model) const override;
   std::vector<char> find_outliers(const Model& model) const override;
   const std::vector<Groups>& folds() const override;
   // Each view shows most of the target: no point of it is a regime of its own.
