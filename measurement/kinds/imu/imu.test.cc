@@ -147,5 +147,36 @@ TEST(NoiseLines, AWalkFollowsTheTemperatureByChance) {
   EXPECT_NEAR(square, 1, 0.6);
 }
 
+// What the temperature takes of a line is missing in its power: here the whole first one, of lines
+// of which the walk fills only some.
+TEST(NoiseLines, WhatTheTemperatureTookIsNoQuiet) {
+  constexpr size_t kSamples = 256, kStretches = 400;
+  constexpr double kStep = 0.15;  // Equal to white noise at about the twelfth line.
+  ImuData data;
+  for (size_t s = 0; s < kStretches; ++s) {
+    const std::vector<double> white = drawn(kSamples, "quiet white" + std::to_string(s));
+    const std::vector<double> steps = drawn(kSamples, "quiet steps" + std::to_string(s));
+    ImuStretch stretch{.dt_s = 1};
+    double at = 0;
+    for (size_t i = 0; i < kSamples; ++i) {
+      stretch.rows.push_back(i);
+      stretch.temperature_c.push_back(
+          25 - 3 * std::cos(maths::kPi * (static_cast<double>(i) + 0.5) / kSamples));
+      stretch.samples[0].push_back(white[i] + (at += kStep * steps[i]));
+    }
+    data.stretches.push_back(std::move(stretch));
+  }
+  const SmoothSpectrum smooth = noise_of_axis(data, 0, 1, 0.125).smooth;
+  effects::InertialSensor sensor;
+  sensor.white[0] = 1, sensor.walk[0] = kStep;
+  for (const double line : {2.0, 4.0}) {
+    const double omega = omega_of_line(line, kSamples);
+    // Some ten lines of each stretch tell the walk: 4 standard errors of so many squares.
+    EXPECT_NEAR(smooth.at(omega) / effects::noise_power(sensor, 0, omega, 1), 1,
+                4 * std::sqrt(2.0 / (10 * kStretches)))
+        << line;
+  }
+}
+
 }  // namespace
 }  // namespace seam::measurement
