@@ -194,6 +194,11 @@ class BesideACamera(Case):
             there = imu.imu_camera.product(imu.imu_camera.product(to_sensor, [0, *vector]), to_sensor * [1, -1, -1, -1])[1:]
             np.testing.assert_allclose(rows[:3, :3] @ there, vector, atol=1e-9)
         np.testing.assert_array_equal(rows[:, 3], [0, 0, 0, 1])
+        run(*args[:2], "--to", "vins-imu-cam", "--out", folder / "vins.yaml")
+        text = (folder / "vins.yaml").read_text()
+        back = np.array([float(v) for v in re.search(r"data: \[(.*?)\]", text, re.S)[1].split(",")]).reshape(4, 4)
+        np.testing.assert_allclose(back @ rows, np.eye(4), atol=1e-9)
+        self.assertIn(f"td: {offset['value']:.9g}\n", text)
         bare = self.folder / "bare.yaml"
         bare.write_text("format: seam-model/1\nname: bare\neffects:\n  gyro_bias: {x_radps: 0.1}\n")
         self.assertIn("camera_imu_offset", run("export", bare, *args[2:], code=1))

@@ -99,7 +99,7 @@ Exported export_rig(const Model& model, const ExchangeFormat& format,
   if (rig.camera_offset_of_exposure != 0)
     out.notes.push_back(
         fmt::format("the file holds one offset, that of no exposure: add {:.6g} times the exposure "
-                    "of a run to timeshift_cam_imu",
+                    "of a run to it",
                     rig.camera_offset_of_exposure));
   out.notes.emplace_back("the lever arm between both is 0 in the file: no turn shows it");
   return out;
@@ -116,6 +116,18 @@ std::string kalibr_rig_text(const effects::Inertial& inertial) {
                         R_IC[row][2]);
   return text + fmt::format("  - [0.0, 0.0, 0.0, 1.0]\n  timeshift_cam_imu: {:.9g}\n",
                             inertial.camera_offset_s);
+}
+
+// The camera's pose in the axes of the sensor, and the same shift of time.
+std::string vins_rig_text(const effects::Inertial& inertial) {
+  const Mat3 R_IC = effects::camera_axes(inertial);
+  std::string text =
+      "%YAML:1.0\n# The lever arm is not estimated: its three numbers are 0.\n"
+      "body_T_cam0: !!opencv-matrix\n   rows: 4\n   cols: 4\n   dt: d\n   data: [";
+  for (int row = 0; row < 3; ++row)
+    text += fmt::format("{:.12f}, {:.12f}, {:.12f}, 0.0,\n          ", R_IC[0][row], R_IC[1][row],
+                        R_IC[2][row]);
+  return text + fmt::format("0.0, 0.0, 0.0, 1.0]\ntd: {:.9g}\n", inertial.camera_offset_s);
 }
 
 Exported export_imu(const Model& model, const ExchangeFormat& format,

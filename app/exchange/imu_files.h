@@ -22,5 +22,6 @@ std::string vins_imu_text(const PlainImu& imu);
 Exported export_rig(const effects::Model& model, const ExchangeFormat& format,
                     const ExportOptions& options);
 std::string kalibr_rig_text(const effects::Inertial& inertial);
+std::string vins_rig_text(const effects::Inertial& inertial);
 
 }  // namespace seam::app
