@@ -13,7 +13,8 @@ const files: [string, string, string][] = [
 
 /** Names of programs as they write them. */
 const programs: Record<string, string> = { opencv: "OpenCV", ros: "ROS", mrcal: "mrcal", kalibr: "Kalibr", mjcf: "MuJoCo", urdf: "URDF",
-  "kalibr-imu": "Kalibr (IMU)", "vins-imu": "VINS", json: "JSON" };
+  "kalibr-imu": "Kalibr (IMU)", "vins-imu": "VINS", "kalibr-imu-cam": "Kalibr (camera and IMU)", "vins-imu-cam": "VINS (camera and IMU)",
+  json: "JSON" };
 const nameOf = (format: string) => programs[format] ?? format;
 
 const formats = signal<api.ExportFormat[]>([]);

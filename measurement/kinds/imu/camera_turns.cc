@@ -81,7 +81,7 @@ void read_views(const CsvTable& table, int64_t first_ns, CameraData& data) {
     const double size = w[row] * w[row] + x[row] * x[row] + y[row] * y[row] + z[row] * z[row];
     if (std::abs(size - 1) > kOff)
       table.fail(row, "qw", table.cell(row, "qw"), "qw, qx, qy, qz of length 1");
-    data.views.push_back({.line = static_cast<int>(row) + 2,
+    data.views.push_back({.line = table.line(row),
                           .at_s = 1e-9 * static_cast<double>(time_ns[row] - first_ns),
                           .R_WC = rotation_from_quaternion(w[row], x[row], y[row], z[row]),
                           .variance = variances[row],

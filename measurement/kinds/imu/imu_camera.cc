@@ -213,12 +213,16 @@ std::vector<double> ImuCameraProblem::best_offset(const Model& model) const {
   effects::Inertial inertial = effects::inertial_of(model);
   const GyroPath path(data_, inertial);
   const double already_s = inertial.camera_offset_s;
+  // Hours of views tell a start no better than so many of them.
+  constexpr size_t kEnough = 5000;
+  const size_t stride = (data_.turns.size() + kEnough - 1) / kEnough;
   double best_s = 0, least = HUGE_VAL;
   constexpr double kStep_s = 0.002;  // Of hands that swing twice a second, a fortieth of a radian.
   for (double offset_s = -kMostOffset_s; offset_s <= kMostOffset_s; offset_s += kStep_s) {
     inertial.camera_offset_s = offset_s;
     double sum = 0;
-    for (const CameraTurn& turn : data_.turns) {
+    for (size_t i = 0; i < data_.turns.size(); i += stride) {
+      const CameraTurn& turn = data_.turns[i];
       const double apart =
           glm::length(turn.turn_rad) - glm::length(predicted(path, inertial, Mat3(1.0), turn));
       sum += apart * apart;
