@@ -9,7 +9,7 @@ namespace seam::effects {
 const std::vector<KindFacts>& kinds() {
   static const std::vector<KindFacts> all = {
       {kPoints, "points", "frame", {Stage::geometry, Stage::target, Stage::joint}},
-      {kPhotometry, "photometry", "frame", {}},
+      {kPhotometry, "photometry", "frame", {Stage::light}},
       {kJoints, "joints", "run", {Stage::joint}},
       {kOdometry, "odometry", "run", {Stage::locomotion}},
       {kLandmarks, "landmarks", "run", {Stage::detector}},

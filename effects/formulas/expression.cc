@@ -16,6 +16,7 @@
 #include "effects/stages/geometry.h"
 #include "effects/stages/joint_track.h"
 #include "effects/stages/sensor/sensor.h"
+#include "effects/stages/servo.h"
 #include "effects/stages/target.h"
 #include "effects/stages/walk/locomotion.h"
 #include "sim_core/base/error.h"
@@ -26,20 +27,28 @@ namespace {
 struct StageVariables {
   Stage stage;
   std::vector<std::string> variables;
-  std::vector<std::string> outputs;  // Each is a variable too, but for gain, which multiplies.
+  // Each is a variable too, but for gain, which multiplies, and torque, which adds.
+  std::vector<std::string> outputs;
   unsigned kinds;
+
+  bool has(const std::string& output) const {
+    return std::find(outputs.begin(), outputs.end(), output) != outputs.end();
+  }
 };
+
+constexpr const char *kTorque = "torque", *kGain = "gain";
 
 const std::vector<StageVariables>& stages() {
   static const std::vector<std::string> of_image = {"x",  "y",  "r2", "u", "v",  "cx",
                                                     "cy", "fx", "fy", "t", "row"};
   static const std::vector<StageVariables> all = {
       {Stage::joint, {"q", "rate", "command", "t"}, {"q"}, kJoints | kPoints | kFrames | kRanges},
+      {Stage::joint, {"q", "rate", "command", "t", "drive"}, {kTorque}, kJoints | kRanges},
       {Stage::geometry, of_image, {"u", "v"}, kPoints | kFrames | kRanges},
       {Stage::corner_detector, of_image, {"u", "v"}, kPoints},
       {Stage::target, {"x", "y", "z"}, {"x", "y", "z"}, kPoints},
-      {Stage::radiometry, {"u", "v", "rho", "t"}, {"gain"}, kPhotometry | kFrames | kRanges},
-      {Stage::light, {"u", "v", "rho", "t"}, {"gain"}, kPhotometry | kFrames | kRanges},
+      {Stage::radiometry, {"u", "v", "rho", "t"}, {kGain}, kPhotometry | kFrames | kRanges},
+      {Stage::light, {"u", "v", "rho", "t"}, {kGain}, kPhotometry | kFrames | kRanges},
       {Stage::sensor, {"mean", "t"}, {"mean"}, kPhotometry | kFrames | kRanges},
       {Stage::detector,
        {"range", "bearing", "speed", "turn", "t"},
@@ -53,11 +62,27 @@ const std::vector<StageVariables>& stages() {
   return all;
 }
 
-const StageVariables& stage_named(const ConfigNode& node) {
+// What the formulas of an effect may be about: of two ways to act at a stage the one whose output
+// is given.
+const StageVariables& stage_of(const ConfigNode& effect) {
   std::vector<std::string> names;
-  for (const StageVariables& s : stages()) names.push_back(to_string(s.stage));
+  for (const StageVariables& s : stages()) {
+    const std::string name = to_string(s.stage);
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
   names.push_back(to_string(Stage::scenario));  // For the list in an error's message.
-  return stages()[node.choice(names)];
+  const std::string& name = names[effect.at("stage").choice(names)];
+  const StageVariables* found = nullptr;
+  for (const StageVariables& s : stages()) {
+    if (to_string(s.stage) != name) continue;
+    const bool given = std::any_of(s.outputs.begin(), s.outputs.end(),
+                                   [&](const std::string& output) { return effect.has(output); });
+    if (found != nullptr && given && effect.has(found->outputs.front()))
+      effect.fail(fmt::format("{} and {} act at different places, expected two effects",
+                              found->outputs.front(), s.outputs.front()));
+    if (found == nullptr || given) found = &s;
+  }
+  return *found;
 }
 
 // No stage maps more than three quantities.
@@ -105,8 +130,35 @@ std::function<double(Values, const JointSample&)> joint_map(
   };
 }
 
+void set_map_of_sensor(EffectDefinition& effect, const std::shared_ptr<const Program>& program) {
+  effect.sensor = [program, name = effect.name](Values p, SensorChain& chain) {
+    if (program->absent(p)) return;
+    chain.maps.push_back({name, [program, values = std::vector<double>(p.begin(), p.end())](
+                                    double mean_dn, double t_s) {
+                            Outputs out = {mean_dn};
+                            program->run(std::array{mean_dn, t_s}, values, out);
+                            return out[0];
+                          }});
+  };
+}
+
+void set_push(EffectDefinition& effect, const std::shared_ptr<const Program>& program) {
+  effect.needs_base = Base::motor;
+  effect.servo = [program](Values p, ServoModel& servo) {
+    if (program->absent(p)) return;
+    servo.pushes.push_back([program, values = std::vector<double>(p.begin(), p.end())](
+                               const PushedMotor& at) {
+      Outputs out = {0};
+      program->run(std::array{at.q_rad, at.w_radps, at.command_rad, at.t_s, at.drive_rad_per_s2},
+                   values, out);
+      return out[0];
+    });
+  };
+}
+
 // Hooks of one stage that run the program.
-void set_hook(EffectDefinition& effect, const std::shared_ptr<const Program>& program) {
+void set_hook(EffectDefinition& effect, const StageVariables& stage,
+              const std::shared_ptr<const Program>& program) {
   switch (effect.stage) {
     case Stage::geometry:
     case Stage::corner_detector:
@@ -121,7 +173,10 @@ void set_hook(EffectDefinition& effect, const std::shared_ptr<const Program>& pr
           };
       break;
     case Stage::joint:
-      effect.joint_map = joint_map(program, effect.columns);
+      if (stage.has(kTorque))
+        set_push(effect, program);
+      else
+        effect.joint_map = joint_map(program, effect.columns);
       break;
     case Stage::target:
       effect.target = [program](Values p, TargetShape& shape) {
@@ -143,15 +198,7 @@ void set_hook(EffectDefinition& effect, const std::shared_ptr<const Program>& pr
       };
       break;
     case Stage::sensor:
-      effect.sensor = [program, name = effect.name](Values p, SensorChain& chain) {
-        if (program->absent(p)) return;
-        chain.maps.push_back({name, [program, values = std::vector<double>(p.begin(), p.end())](
-                                        double mean_dn, double t_s) {
-                                Outputs out = {mean_dn};
-                                program->run(std::array{mean_dn, t_s}, values, out);
-                                return out[0];
-                              }});
-      };
+      set_map_of_sensor(effect, program);
       break;
     case Stage::detector:
       effect.detector = [program](Values p, Detection& at) {
@@ -175,8 +222,8 @@ void set_hook(EffectDefinition& effect, const std::shared_ptr<const Program>& pr
   }
 }
 
-// Whether the formulas give back their variables (or a gain of 1) at neutral parameters, at a few
-// points: an effect that does not is a replacement, and has no neutral value.
+// Whether the formulas give back their variables (a gain of 1, no torque) at neutral parameters, at
+// a few points: an effect that does not is a replacement, and has no neutral value.
 bool is_neutral(const Program& program, const StageVariables& stage, size_t columns) {
   for (const double at : {0.3, 1.7, -0.9}) {
     std::vector<double> inputs;
@@ -187,8 +234,9 @@ bool is_neutral(const Program& program, const StageVariables& stage, size_t colu
     for (size_t i = 0; i < program.formulas.size(); ++i) {
       const std::string& output = stage.outputs[program.output[i]];
       const auto place = std::find(stage.variables.begin(), stage.variables.end(), output);
-      const double expected =
-          place == stage.variables.end() ? 1 : variables[place - stage.variables.begin()];
+      const double expected = place == stage.variables.end()
+                                  ? std::stod(formula_without_change(output))
+                                  : variables[place - stage.variables.begin()];
       const double value = program.formulas[i](inputs);
       if (std::isfinite(value) &&
           std::abs(value - expected) > 1e-9 * std::max(1.0, std::abs(expected)))
@@ -220,12 +268,16 @@ std::vector<FormulaStage> formula_stages() {
   return all;
 }
 
+std::string formula_without_change(const std::string& output) {
+  return output == kTorque ? "0" : output == kGain ? "1" : output;
+}
+
 std::shared_ptr<const EffectDefinition> expression_effect(const std::string& name,
                                                           const ConfigNode& node) {
   if (find_effect(name))
     node.fail(fmt::format("'{}' is an effect of the catalogue, expected a new name", name));
   if (node.at("stage").text() == to_string(Stage::scenario)) return scenario_effect(name, node);
-  const StageVariables& stage = stage_named(node.at("stage"));
+  const StageVariables& stage = stage_of(node);
   auto effect = std::make_shared<EffectDefinition>();
   effect->name = name;
   effect->stage = stage.stage;
@@ -249,7 +301,7 @@ std::shared_ptr<const EffectDefinition> expression_effect(const std::string& nam
     for (size_t i = 0; i < stage.outputs.size(); ++i) {
       if (!node.has(stage.outputs[i])) continue;
       texts.emplace_back(static_cast<int>(i), node.at(stage.outputs[i]).text());
-      if (stage.stage != Stage::joint) continue;
+      if (!stage.has("q")) continue;
       for (const std::string& used : Formula::names_in(texts.back().second)) {
         const auto known = [&](const std::vector<std::string>& list) {
           return std::find(list.begin(), list.end(), used) != list.end();
@@ -282,7 +334,7 @@ std::shared_ptr<const EffectDefinition> expression_effect(const std::string& nam
   effect->has_neutral = is_neutral(*program, stage, effect->columns.size());
   // Nothing switches off a formula that is no identity at neutral values.
   if (!effect->has_neutral) program->neutral = {NAN};
-  set_hook(*effect, program);
+  set_hook(*effect, stage, program);
   return effect;
 }
 

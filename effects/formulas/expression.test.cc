@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,6 +9,7 @@
 #include "effects/stages/detector.h"
 #include "effects/stages/geometry.h"
 #include "effects/stages/joint_track.h"
+#include "effects/stages/servo.h"
 #include "effects/stages/target.h"
 #include "effects/stages/walk/locomotion.h"
 #include "sim_core/base/config.h"
@@ -225,6 +227,51 @@ TEST(Expression, ALocomotionFormulaIsIntegrated) {
   WalkState state;
   advance_walk(locomotion_of(model), {}, 2.0, state);
   EXPECT_NEAR(state.theta_rad, std::exp(1.0) - 1, 1e-9);
+}
+
+// Formulas that say what effects with names do, against these: of the load, of the winding's
+// strength, and of drag against back-EMF.
+TEST(TorqueFormula, DoesWhatTheEffectOfItsNameDoes) {
+  const auto moved = [](const std::string& more, double stall = 200) {
+    const std::string motor = fmt::format(
+        "  motor_servo: {{stall_rad_per_s2: {}, back_emf_per_s: 10, gain: 0.1}}\n", stall);
+    Servo servo(servo_of(model_of(motor + more)), 0, 0.1);
+    std::vector<double> angles;
+    servo.command(0.01, 1.2);
+    servo.command(0.35, -0.4);
+    servo.command(0.55, 0, false);
+    for (int k = 1; k <= 80; ++k) servo.advance_to(0.01 * k), angles.push_back(servo.joint_rad());
+    return angles;
+  };
+  const auto apart = [](const std::vector<double>& a, const std::vector<double>& b) {
+    double most = 0;
+    for (size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
+    return most;
+  };
+  const auto formula = [](const std::string& torque, double k) {
+    return fmt::format("  mine: {{stage: joint, torque: \"{}\", parameters: {{k: {}}}}}\n", torque,
+                       k);
+  };
+  const auto load = moved("  gravity_torque: {rad_per_s2: 30, level_rad: 0.4}\n");
+  EXPECT_LT(apart(load, moved(formula("-k * cos(q - 0.4)", 30))), 2e-4);
+  EXPECT_GT(apart(load, moved("")), 0.1);
+  const auto drag = moved("  viscous_friction: {per_s: 6}\n");
+  EXPECT_LT(apart(drag, moved(formula("-k * rate", 6))), 2e-4);
+  EXPECT_LT(apart(moved("", 260), moved(formula("k * drive", 0.3))), 2e-4);
+  EXPECT_EQ(moved(formula("k * drive * t", 0)), moved(""));
+}
+
+TEST(TorqueFormula, IsRefusedWhereItCannotAct) {
+  const std::string both =
+      "  mine: {stage: joint, q: \"q + k\", torque: \"k\", parameters: {k: 0}}\n";
+  EXPECT_NE(error_of_model(both).find("expected two effects"), std::string::npos)
+      << error_of_model(both);
+  const std::string alone = "  mine: {stage: joint, torque: \"k * q\", parameters: {k: 1}}\n";
+  EXPECT_NE(error_of_model("  servo_lag: {tau_s: 0.1}\n" + alone).find("motor_servo"),
+            std::string::npos)
+      << error_of_model("  servo_lag: {tau_s: 0.1}\n" + alone);
+  const std::string column = "  mine: {stage: joint, torque: \"k * warmth\", parameters: {k: 1}}\n";
+  EXPECT_NE(error_of_model(column).find("warmth"), std::string::npos) << error_of_model(column);
 }
 
 }  // namespace

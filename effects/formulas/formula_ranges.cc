@@ -11,6 +11,7 @@
 #include "effects/stages/geometry.h"
 #include "effects/stages/joint_track.h"
 #include "effects/stages/sensor/sensor.h"
+#include "effects/stages/servo.h"
 #include "effects/stages/target.h"
 #include "effects/stages/walk/locomotion.h"
 #include "sim_core/base/random.h"
@@ -48,6 +49,18 @@ std::vector<Output> run_joint(const ModelEffect& effect, const std::vector<doubl
   const JointSample sample{
       .q_rad = at[0], .rate_rad_per_s = at[1], .command_rad = at[2], .t_s = at[3]};
   return {{"q", effect.definition->joint_map(effect.values(), sample)}};
+}
+
+std::vector<Output> run_push(const ModelEffect& effect, const std::vector<double>& at) {
+  ServoModel servo;
+  effect.definition->servo(effect.values(), servo);
+  if (servo.pushes.empty()) return {};
+  const PushedMotor motor{.q_rad = at[0],
+                          .w_radps = at[1],
+                          .command_rad = at[2],
+                          .t_s = at[3],
+                          .drive_rad_per_s2 = at[4]};
+  return {{"torque", servo.pushes.front()(motor)}};
 }
 
 ImagePoint image_point(double u, double v, double t_s) {
@@ -111,6 +124,10 @@ std::vector<Output> run_locomotion(const ModelEffect& effect, const std::vector<
   return {{"vx", v.vx_mps}, {"vy", v.vy_mps}, {"omega", v.omega_radps}};
 }
 
+bool is_push(const ModelEffect& effect) {
+  return effect.definition->stage == Stage::joint && effect.definition->servo;
+}
+
 const std::vector<Trial>& trials() {
   constexpr Quantity kU = {"u", 0, kWidth_px - 1}, kV = {"v", 0, kHeight_px - 1};
   static const std::vector<Trial> all = {
@@ -118,6 +135,10 @@ const std::vector<Trial>& trials() {
        {{"q", -1.6, 1.6}, {"rate", -6, 6}, {"command", -1.6, 1.6}, kTime},
        kLargestOutput,
        run_joint},
+      {Stage::joint,
+       {{"q", -1.6, 1.6}, {"rate", -6, 6}, {"command", -1.6, 1.6}, kTime, {"drive", -300, 300}},
+       kLargestOutput,
+       run_push},
       {Stage::geometry, {kU, kV, kTime}, kLargestOfImage, run_geometry},
       {Stage::corner_detector, {kU, kV, kTime}, kLargestOfImage, run_geometry},
       {Stage::target,
@@ -205,7 +226,7 @@ std::vector<FormulaTrouble> troubles_of_formulas(const Model& model) {
   for (const ModelEffect& effect : model.effects()) {
     if (effect.definition->source.empty()) continue;  // No formula.
     const auto trial = std::find_if(trials().begin(), trials().end(), [&](const Trial& t) {
-      return t.stage == effect.definition->stage;
+      return t.stage == effect.definition->stage && (t.run == run_push) == is_push(effect);
     });
     if (trial == trials().end()) continue;
     // Further columns of a log are 0 here, which a log's own numbers may not be.

@@ -234,17 +234,58 @@ void advance_servo(const ServoModel& servo, double command_rad, double dt_s, Ser
   }
 }
 
-void advance_servo(const ServoModel& servo, MotorInput input, double dt_s, ServoState& state) {
-  const double started_rad = input.command_rad;
+namespace {
+
+// What acts so much later, the command having moved on.
+MotorInput later(MotorInput input, double by_s) {
+  input.command_rad += input.command_radps * by_s;
+  input.t_s += by_s;
+  return input;
+}
+
+void advance_unpushed(const ServoModel& servo, const TorqueModel& torque, const MotorInput& input,
+                      double dt_s, ServoState& state) {
   MotorState motor{state.motor_rad, state.motor_radps};
   int turns = 0;
   for (double done_s = 0; done_s < dt_s; ++turns) {
-    input.command_rad = started_rad + input.command_radps * done_s;
-    done_s += advance_motor(servo.torque, input, dt_s - done_s, motor);
+    done_s += advance_motor(torque, later(input, done_s), dt_s - done_s, motor);
     state.motor_rad = motor.q_rad, state.motor_radps = motor.w_radps;
     settle_load(servo, state);
     if (turns > kMostTurns) state.motor_rad = state.load_rad = NAN;
     if (!std::isfinite(state.motor_rad)) return;
+  }
+}
+
+}  // namespace
+
+double push_on(const ServoModel& servo, const MotorInput& input, const MotorState& state) {
+  if (servo.pushes.empty()) return 0;
+  const PushedMotor at{.q_rad = state.q_rad,
+                       .w_radps = state.w_radps,
+                       .command_rad = input.command_rad,
+                       .t_s = input.t_s,
+                       .drive_rad_per_s2 = drive_at_rest(servo.torque, input, state)};
+  double sum = 0;
+  for (const auto& push : servo.pushes) sum += push(at);
+  return sum;
+}
+
+void advance_servo(const ServoModel& servo, MotorInput input, double dt_s, ServoState& state) {
+  if (servo.pushes.empty()) return advance_unpushed(servo, servo.torque, input, dt_s, state);
+  constexpr double kStep_s = 2e-3;
+  const int steps = std::max(1, static_cast<int>(std::ceil(dt_s / kStep_s)));
+  const double step_s = dt_s / steps;
+  // A push is a load that is constant.
+  const auto pushed = [&](const MotorInput& now, const ServoState& at) {
+    TorqueModel torque = servo.torque;
+    torque.asymmetry_rad_per_s2 -= push_on(servo, now, {at.motor_rad, at.motor_radps});
+    return torque;
+  };
+  for (int k = 0; k < steps && std::isfinite(state.motor_rad); ++k) {
+    const MotorInput begins = later(input, k * step_s), halfway = later(begins, 0.5 * step_s);
+    ServoState middle = state;
+    advance_unpushed(servo, pushed(begins, state), begins, 0.5 * step_s, middle);
+    advance_unpushed(servo, pushed(halfway, middle), begins, step_s, state);
   }
 }
 
@@ -289,11 +330,9 @@ void advance_joint(const ServoModel& servo, const MotorInput& input, double dt_s
   const double step_s = dt_s / steps;
   const SwingingLoad load(servo.elastic, step_s);
   const bool smooth = motor && servo.backlash_rad == 0;
-  MotorInput now = input;
   for (int k = 0; k < steps; ++k) {
     const DriveState before{state.load_rad, state.motor_radps};
-    now.command_rad = input.command_rad + input.command_radps * step_s * k;
-    advance_drive(servo, now, step_s, state);
+    advance_drive(servo, later(input, step_s * k), step_s, state);
     if (smooth)
       load.follow(before, {state.load_rad, state.motor_radps}, state.elastic);
     else
@@ -343,6 +382,7 @@ void Servo::advance_to(double t_s) {
   while (true) {
     const bool more = next_ < queue_.size() && queue_[next_].acts_s < t_s - kSameTime_s;
     const double until = more ? std::max(queue_[next_].acts_s, now_s_) : t_s;
+    input_.t_s = now_s_;
     if (begun_ && (model_.torque.present || input_.enabled))
       advance_joint(model_, input_, until - now_s_, state_);
     else

@@ -17,6 +17,10 @@ std::string less(const std::string& variable, double place) {
 
 }  // namespace
 
+bool is_size(Curve curve, size_t number) {
+  return curve == Curve::decay || curve == Curve::rise || (curve == Curve::bump && number == 1);
+}
+
 bool is_fitted(Curve curve) {
   return curve != Curve::none && curve != Curve::step;
 }
@@ -34,10 +38,14 @@ std::string curve_text(Curve curve, const std::string& variable,
       return fmt::format("(1 - exp(-{} / {:.4g}))", variable, numbers[0]);
     case Curve::step:
       return fmt::format("sign({})", less(variable, numbers[0]));
+    case Curve::line:
+      return fmt::format("({})", less(variable, numbers[0]));
     case Curve::above:
       return fmt::format("max({}, 0)", less(variable, numbers[0]));
     case Curve::below:
       return fmt::format("max({:.4g} - {}, 0)", numbers[0], variable);
+    case Curve::bump:
+      return fmt::format("exp(-(({}) / {:.4g})^2)", less(variable, numbers[0]), numbers[1]);
     default:
       return "1";
   }
@@ -51,9 +59,13 @@ std::vector<CurveNumber> curve_numbers(Curve curve, const std::vector<double>& n
     case Curve::decay:
     case Curve::rise:
       return {{"s" + suffix, 0.9 * numbers[0], 0.1 * numbers[0]}};
+    case Curve::line:
     case Curve::above:
     case Curve::below:
       return {{"s" + suffix, 0.3 * span, 1e-3 * span}};
+    case Curve::bump:
+      return {{"s" + suffix, 0.3 * span, 1e-3 * span},
+              {"b" + suffix, 0.9 * numbers[1], 0.1 * numbers[1]}};
     default:
       return {};
   }
@@ -68,10 +80,14 @@ std::string curve_formula(Curve curve, const std::string& variable,
       return fmt::format("exp(-{} / s{})", variable, suffix);
     case Curve::rise:
       return fmt::format("(1 - exp(-{} / s{}))", variable, suffix);
+    case Curve::line:
+      return fmt::format("({} - s{})", variable, suffix);
     case Curve::above:
       return fmt::format("max({} - s{}, 0)", variable, suffix);
     case Curve::below:
       return fmt::format("max(s{} - {}, 0)", suffix, variable);
+    case Curve::bump:
+      return fmt::format("exp(-(({1} - s{0}) / b{0})^2)", suffix, variable);
     default:
       return curve_text(curve, variable, numbers);
   }

@@ -12,9 +12,14 @@ enum class Curve {
   decay,  // exp(-v / s); number: s in units of v.
   rise,   // 1 - exp(-v / s); number: s.
   step,   // sign(v - s); number: s.
+  line,   // v - s; number: s.
   above,  // max(v - s, 0); number: s.
   below,  // max(s - v, 0); number: s.
+  bump,   // exp(-((v - s) / b)^2); numbers: s, b.
 };
+
+// Whether this number is a size, sought by factors, and no place.
+bool is_size(Curve curve, size_t number);
 
 // Whether a fit can move them. A step's place it cannot: between two observations nothing changes.
 bool is_fitted(Curve curve);

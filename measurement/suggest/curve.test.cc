@@ -22,6 +22,8 @@ const std::vector<Known>& all() {
       {Curve::decay, {0.7}, [](double v) { return std::exp(-v / 0.7); }},
       {Curve::rise, {0.7}, [](double v) { return 1 - std::exp(-v / 0.7); }},
       {Curve::step, {0.5}, [](double v) { return v > 0.5 ? 1.0 : -1.0; }},
+      {Curve::line, {0.5}, [](double v) { return v - 0.5; }},
+      {Curve::bump, {0.5, 0.2}, [](double v) { return std::exp(-25 * (v - 0.5) * (v - 0.5)); }},
       {Curve::above, {-0.5}, [](double v) { return std::max(v + 0.5, 0.0); }},
       {Curve::below, {0.5}, [](double v) { return std::max(0.5 - v, 0.0); }},
   };

@@ -21,10 +21,14 @@ class Proposer {
         library_(problem, base.model, vocabulary) {}
 
   std::optional<Formula> run();
+  // The model of a problem with these terms, every coefficient fitted.
+  Formula fitted_to(const Problem& problem, const Assessment& base, std::vector<Term> terms) const;
 
  private:
   std::string name() const;
-  Formula fitted(std::vector<Term> terms) const;
+  Formula fitted(std::vector<Term> terms) const {
+    return fitted_to(problem_, base_, std::move(terms));
+  }
   bool supported(const Formula& before, const Formula& after) const;
   bool grows(Formula& found);
   Formula without_needless(Formula found) const;
@@ -41,20 +45,20 @@ std::string Proposer::name() const {
   return name;
 }
 
-// The model with these terms, every coefficient fitted.
-Formula Proposer::fitted(std::vector<Term> terms) const {
+Formula Proposer::fitted_to(const Problem& problem, const Assessment& base,
+                            std::vector<Term> terms) const {
   Formula found{.vocabulary = &vocabulary_, .terms = std::move(terms)};
   if (found.terms.empty()) {
-    found.assessment = base_;
+    found.assessment = base;
     return found;
   }
   const std::string effect_name = name();
   const std::string yaml = formula_yaml(effect_name, vocabulary_.stage, "A trial.", found.terms);
   const auto effect = formula_effect(yaml, effect_name);
-  const Model model = with_formula(base_.model, effect, found.terms);
-  std::vector<Unknown> unknowns = base_.unknowns;
+  const Model model = with_formula(base.model, effect, found.terms);
+  std::vector<Unknown> unknowns = base.unknowns;
   for (size_t i = 0; i < effect->parameters.size(); ++i) unknowns.push_back({effect_name, i});
-  found.assessment = assess(problem_, model, unknowns);
+  found.assessment = assess(problem, model, unknowns);
   const auto fit = found.assessment.model.find(effect_name)->values();
   size_t at = 0;
   for (Term& term : found.terms) {
@@ -86,7 +90,9 @@ bool Proposer::supported(const Formula& before, const Formula& after) const {
   // beside the formula says nothing.
   const Score& held = after.assessment.held;
   const double z = root_gain_over_scatter(before.assessment.held, held, kGroupsForAgreement);
-  if (after.assessment.held_ll() <= before.assessment.held_ll() || z < kAgreedFormula) return false;
+  const bool agreed =
+      z > kAgreedFormula || after.assessment.error < kPlainlyLess * before.assessment.error;
+  if (after.assessment.held_ll() <= before.assessment.held_ll() || !agreed) return false;
   double most = 0;
   for (size_t c = 0; c < held.native.size(); ++c) {
     if (held.native[c] > 0)
@@ -110,17 +116,19 @@ Formula Proposer::without_needless(Formula found) const {
   return found;
 }
 
-// Whether a term is supported beside those found, which it then joins.
+// Whether a term is supported beside those found, which it then joins: the first that is, or one
+// with fewer numbers that does as well.
 bool Proposer::grows(Formula& found) {
+  std::optional<Formula> best;
   for (const Term& term : library_.best_terms(found.assessment)) {
+    if (best && term.parameters() >= best->terms.back().parameters()) continue;
     std::vector<Term> more = found.terms;
     more.push_back(term);
     Formula next = fitted(std::move(more));
-    if (!supported(found, next)) continue;
-    found = std::move(next);
-    return true;
+    if (supported(found, next) && (!best || next.merit > best->merit)) best = std::move(next);
   }
-  return false;
+  if (best) found = *std::move(best);
+  return best.has_value();
 }
 
 std::optional<Formula> Proposer::run() {
@@ -138,7 +146,19 @@ std::optional<Formula> Proposer::run() {
 
 std::optional<Formula> formula_of(const Problem& problem, const Assessment& base,
                                   const Vocabulary& vocabulary) {
-  return Proposer(problem, base, vocabulary).run();
+  const Problem& seen = problem.with_residuals();
+  if (&seen == &problem) return Proposer(problem, base, vocabulary).run();
+  // Built from residuals that are means, and then fitted to what they are means of.
+  std::vector<Unknown> of_mean;
+  for (const Unknown& unknown : base.unknowns) {
+    if (!base.model.find(unknown.effect)->definition->spread_only) of_mean.push_back(unknown);
+  }
+  const Assessment shown = assess(seen, base.model, of_mean);
+  Proposer proposer(seen, shown, vocabulary);
+  auto found = proposer.run();
+  if (!found) return std::nullopt;
+  Formula told = proposer.fitted_to(problem, base, std::move(found->terms));
+  return told.assessment.valid ? std::optional(std::move(told)) : std::nullopt;
 }
 
 }  // namespace seam::measurement

@@ -37,7 +37,7 @@ std::vector<std::string> varying_columns(const Problem& problem) {
 std::optional<Suggestion> suggest(const Problem& problem, const Grown& beside) {
   const effects::Kind kind = problem.facts().set.kind;
   if (kind == effects::Kind{}) return std::nullopt;  // A set made for tests.
-  const auto stages = vocabularies(kind, varying_columns(problem));
+  const auto stages = vocabularies(kind, beside.assessment.model, varying_columns(problem));
   std::optional<Formula> best;
   for (const Vocabulary& vocabulary : stages) {
     auto formula = formula_of(problem, beside.assessment, vocabulary);

@@ -20,11 +20,11 @@ struct Suggestion {
   std::string yaml;                 // A file that `seam add` and `diagnose --candidates` take.
 };
 
-// Sparse regression of what the model leaves on products, waves, decays, steps and bends of the
-// variables of a stage (geometry, target, joint, detector, locomotion). Each column of the
-// regression is the change of the prediction by that term in a formula, so nuisances and the path
-// from a joint to the image are in it; each term taken must help on held-out groups. Nothing where
-// none does, or for kinds without residual vectors (photometry, frames).
+// Sparse regression of what the model leaves on products, waves, decays, steps, bends and bumps of
+// the variables of a stage (geometry, target, joint, light, detector, locomotion). Each column of
+// the regression is the change of the prediction by that term in a formula, so nuisances and the
+// path from a joint to the image are in it; each term taken must help on held-out groups. Nothing
+// where none does, or for kinds without formulas.
 std::optional<Suggestion> suggest(const Problem& problem, const Grown& beside);
 
 }  // namespace seam::measurement

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "effects/formulas/formula_stages.h"
 #include "sim_core/base/config.h"
 #include "sim_core/base/error.h"
 
@@ -21,12 +22,16 @@ std::string with_curve(std::string text, const std::string& curve) {
 // What is added to each output, in the order in which they come.
 class Sums {
  public:
-  // With `beside` each begins with the output's own value.
+  // With `beside` each begins with what changes nothing; a gain always does.
   explicit Sums(bool beside) : beside_(beside) {}
   void add(const std::string& output, bool minus, const std::string& what) {
     auto at = std::find_if(sums_.begin(), sums_.end(),
                            [&](const auto& sum) { return sum.first == output; });
-    if (at == sums_.end()) at = sums_.insert(at, {output, beside_ ? output : ""});
+    if (at == sums_.end()) {
+      const std::string same = effects::formula_without_change(output);
+      const bool begins = same == "1" || (beside_ && same != "0");
+      at = sums_.insert(at, {output, begins ? same : ""});
+    }
     at->second += (at->second.empty() ? minus ? "-" : "" : minus ? " - " : " + ") + what;
   }
   const std::vector<std::pair<std::string, std::string>>& all() const { return sums_; }
@@ -84,7 +89,7 @@ std::string formula_yaml(const std::string& name, const std::string& stage, cons
       sums.add(piece.output, term.coefficient * piece.sign < 0,
                times("k" + number, with_curve(piece.text, curve)));
     // Twenty times what was found is out of the question; a fit starts at a twentieth of the scale.
-    const double size = std::max(std::abs(term.coefficient), 1e-12);
+    const double size = std::max({std::abs(term.coefficient), term.size, 1e-12});
     parameter("k" + number, size, 0, 20 * size, 20 * size);
     const auto own = curve_numbers(term.curve, term.numbers, term.span, number);
     for (size_t k = 0; k < own.size(); ++k)

@@ -22,14 +22,15 @@ struct Term {
   std::string variable;         // Of the curve,
   double span = 0;              // what it goes over,
   std::vector<double> numbers;  // and the curve's own.
-  double coefficient = 0;       // A start for its fit.
+  double coefficient = 0;       // A start for its fit,
+  double size = 0;              // and how large it may well be, where that is more.
 
   double parameters() const { return 1 + static_cast<double>(numbers.size()); }
   std::string label() const;  // For people, without the coefficient.
 };
 
 // What the terms add to each output, with their values, for people: "u: 0.31 * sin(5.2 * t + 0.3) -
-// 0.02 * x, v: 0.1 * y".
+// 0.02 * x, v: 0.1 * y"; of a gain the whole of it.
 std::string formula_text(const std::vector<Term>& terms);
 
 // The YAML of an expression effect: outputs plus coefficient times term, each coefficient with a

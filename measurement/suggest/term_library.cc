@@ -5,6 +5,7 @@
 
 #include "measurement/judge/judge.h"
 #include "measurement/numerics/parallel_for.h"
+#include "measurement/suggest/bump_search.h"
 #include "measurement/suggest/wave_search.h"
 #include "sim_core/base/maths.h"
 
@@ -19,8 +20,8 @@ constexpr int kFewWaves = 16;
 constexpr int kHalvings = 6;
 constexpr int kMostStepTrials = 6;
 constexpr double kLargestStep = 10;
-// Terms of which fits are tried before a formula is at its end, and from which correlation on two
-// of them are one. Judgements.
+// Terms of which fits are tried before a formula is at its end, and from which correlation on a
+// term is one that was tried, unless it has fewer numbers. Judgements.
 constexpr size_t kMostTried = 3;
 constexpr double kAlike = 0.9;
 
@@ -183,15 +184,24 @@ std::vector<TermLibrary::Worth> TermLibrary::worths() const {
     if (own.empty()) return;
     const double gain = 0.5 * share_ * std::pow(dot(own, rest_), 2);
     worths[i] = {gain - terms_[i].parameters() * price, terms_[i], std::move(own)};
-    worths[i].term.coefficient = -dot(library_[i], rest_) / dot(library_[i], library_[i]);
+    set_coefficient(library_[i], worths[i].own, worths[i].term);
   });
   for (const Along& along : along_) {
     double gain = 0;
     auto wave = best_wave(along, gain);
-    if (!wave || !(gain > wave->parameters() * price)) continue;
-    ByScalar own = beyond(derivative(*wave));
-    if (!own.empty())
-      worths.push_back({gain - wave->parameters() * price, *std::move(wave), std::move(own)});
+    if (wave && gain > wave->parameters() * price) {
+      ByScalar own = beyond(derivative(*wave));
+      if (!own.empty())
+        worths.push_back({gain - wave->parameters() * price, *std::move(wave), std::move(own)});
+    }
+    if (auto bump = best_bump(along)) {
+      const ByScalar column = derivative(*bump);
+      ByScalar own = column.empty() ? column : beyond(column);
+      if (own.empty()) continue;
+      const double gained = 0.5 * share_ * std::pow(dot(own, rest_), 2);
+      set_coefficient(column, own, *bump);
+      worths.push_back({gained - bump->parameters() * price, *std::move(bump), std::move(own)});
+    }
   }
   std::stable_sort(worths.begin(), worths.end(),
                    [](const Worth& a, const Worth& b) { return a.worth > b.worth; });
@@ -205,14 +215,22 @@ std::vector<Term> TermLibrary::best_terms(const Assessment& here) {
   for (const Worth& worth : all) {
     if (!(worth.worth > 0) || best.size() == kMostTried) break;
     if (std::none_of(best.begin(), best.end(), [&](const Worth* before) {
-          return std::abs(dot(before->own, worth.own)) > kAlike;
+          return before->term.parameters() <= worth.term.parameters() &&
+                 std::abs(dot(before->own, worth.own)) > kAlike;
         }))
       best.push_back(&worth);
   }
   std::vector<Term> terms;
-  for (const Worth* worth : best)
-    terms.push_back(worth->term.numbers.size() == 1 ? moved_to_the_best(worth->term) : worth->term);
+  for (const Worth* worth : best) terms.push_back(moved_to_the_best(worth->term));
   return terms;
+}
+
+// A fit starts where the fitted parameters are at rest, on a small part of the way that the
+// coefficient goes without them: they have to follow. `size`: how far it goes when they do.
+void TermLibrary::set_coefficient(const ByScalar& column, const ByScalar& own, Term& term) const {
+  constexpr double kPart = 0.1;
+  term.coefficient = -kPart * dot(column, rest_) / dot(column, column);
+  term.size = std::abs(dot(own, rest_) / dot(own, column));
 }
 
 // The strongest wave in a variable where the carrier acts.
@@ -225,6 +243,17 @@ std::optional<Term> TermLibrary::best_wave(const Along& along, double& gain) con
   Term term = curve_on(along.carrier, Curve::wave, along.variable, 0);
   term.numbers = {wave->frequency, wave->phase};
   term.coefficient = wave->amplitude;
+  return term;
+}
+
+std::optional<Term> TermLibrary::best_bump(const Along& along) const {
+  std::vector<double> rest;
+  for (const size_t i : along.scalars) rest.push_back(rest_[i]);
+  const auto bump = strongest_bump(along.at, along.weight, rest);
+  if (!bump) return std::nullopt;
+  const auto [low, high] = std::minmax_element(along.at.begin(), along.at.end());
+  Term term = curve_on(along.carrier, Curve::bump, along.variable, *high - *low);
+  term.numbers = {bump->place, bump->width};
   return term;
 }
 
@@ -275,6 +304,8 @@ void TermLibrary::add_curves(const Term& carrier, const std::string& variable,
   for (int k = 1; k < kPlaces; ++k) {
     const double place = values[values.size() * k / kPlaces];
     for (const Curve curve : {Curve::step, Curve::above, Curve::below}) add(curve, {place});
+    const bool alone = carrier.pieces.size() == 1 && carrier.pieces[0].text == "@";
+    if (alone && vocabulary_.offset_is_a_term) add(Curve::line, {place});
   }
   for (int k = 2; k < kFewWaves && !vocabulary_.prefix.empty(); ++k) {
     for (const double phase : {0.0, 0.5 * maths::kPi})
@@ -282,28 +313,31 @@ void TermLibrary::add_curves(const Term& carrier, const std::string& variable,
   }
 }
 
-// The term with its curve's number moved to where it takes the most.
+// The term with its curve's numbers moved to where it takes the most. A wave's are there already.
 Term TermLibrary::moved_to_the_best(Term term) const {
+  if (term.numbers.empty() || term.curve == Curve::wave) return term;
   const auto gain_of = [&](const Term& other) {
     const ByScalar column = derivative(other);
     const ByScalar own = column.empty() ? column : beyond(column);
     return own.empty() ? 0 : std::pow(dot(own, rest_), 2);
   };
-  const bool decays = term.curve == Curve::decay || term.curve == Curve::rise;
-  double most = gain_of(term), width = decays ? 2 : term.span / kPlaces;
+  double most = gain_of(term), part = 1;
   for (int halved = 0; halved < kHalvings; ++halved) {
-    width = decays ? std::sqrt(width) : 0.5 * width;
-    for (const bool up : {false, true}) {
-      Term other = term;
-      if (decays)
-        other.numbers[0] *= up ? width : 1 / width;
-      else
-        other.numbers[0] += up ? width : -width;
-      if (const double gain = gain_of(other); gain > most) most = gain, term = std::move(other);
+    part *= 0.5;
+    for (size_t k = 0; k < term.numbers.size(); ++k) {
+      for (const double by : {-part, part}) {
+        Term other = term;
+        if (is_size(term.curve, k))
+          other.numbers[k] *= std::exp2(by);
+        else
+          other.numbers[k] += by * term.span / kPlaces;
+        if (const double gain = gain_of(other); gain > most) most = gain, term = std::move(other);
+      }
     }
   }
   const ByScalar column = derivative(term);
-  if (!column.empty()) term.coefficient = -dot(column, rest_) / dot(column, column);
+  if (const ByScalar own = column.empty() ? column : beyond(column); !own.empty())
+    set_coefficient(column, own, term);
   return term;
 }
 

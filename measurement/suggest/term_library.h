@@ -53,6 +53,7 @@ class TermLibrary {
   void look_from(const Assessment& here);
   ByScalar beyond(ByScalar column) const;
   std::vector<Worth> worths() const;
+  void set_coefficient(const ByScalar& column, const ByScalar& own, Term& term) const;
   Along along(const ByScalar& alone, const ByScalar& by_variable) const;
   std::vector<double> values_of(const std::string& variable,
                                 const std::vector<FieldPlace>& places) const;
@@ -60,6 +61,7 @@ class TermLibrary {
   void add_terms();
   Term moved_to_the_best(Term term) const;
   std::optional<Term> best_wave(const Along& along, double& gain) const;
+  std::optional<Term> best_bump(const Along& along) const;
 
   const Model& base_;
   const Vocabulary& vocabulary_;

@@ -1,5 +1,6 @@
 #include "measurement/suggest/vocabulary.h"
 
+#include "effects/questions.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -86,6 +87,20 @@ Vocabulary joint(const std::vector<std::string>& columns) {
   return all;
 }
 
+// What pushes a motor: loads, friction by the place, a motor that is stronger here or weaker later.
+Vocabulary torque() {
+  Vocabulary all{
+      .stage = "joint", .outputs = {"torque"}, .variables = {"q", "t"}, .offset_is_a_term = true};
+  std::vector<std::string> texts = products({"q", "rate", "t"}, 3);
+  append(texts, {"rate * abs(rate)", "sign(rate)", "sign(rate) * q", "sign(rate) * q * q",
+                 "sign(rate) * t", "abs(rate)", "sin(q)", "cos(q)", "sin(2 * q)", "cos(2 * q)",
+                 "drive * t", "drive * q", "drive * q * q", "drive * abs(drive)", "sign(drive)"});
+  in_each_output(all, texts);
+  for (const char* factor : {"@", "drive * @", "sign(rate) * @"})
+    all.carriers.push_back({.pieces = {{"torque", factor}}});
+  return all;
+}
+
 // Poses of the views take what moves all points alike, and what tilts the board.
 Vocabulary target() {
   Vocabulary all{.stage = "target", .outputs = {"z"}, .variables = {"x", "y"}, .prefix = "target "};
@@ -96,6 +111,18 @@ Vocabulary target() {
       all.terms.push_back({.pieces = {{output, text}}});
   }
   all.carriers = curves_in(all.outputs);
+  return all;
+}
+
+// The gain takes what is the same everywhere and at all times.
+Vocabulary light() {
+  Vocabulary all{.stage = "light", .outputs = {"gain"}, .variables = {"u", "v", "rho", "t"}};
+  std::vector<std::string> texts = products({"u", "v", "t"}, 3);
+  std::erase(texts, "1");
+  append(texts, {"rho^2", "rho^4", "rho^6", "rho^2 * t", "t * t * t"});
+  in_each_output(all, texts);
+  all.carriers = curves_in(all.outputs);
+  all.carriers.push_back({.pieces = {{"gain", "t * @"}}});
   return all;
 }
 
@@ -144,7 +171,8 @@ Vocabulary locomotion() {
 
 }  // namespace
 
-std::vector<Vocabulary> vocabularies(effects::Kind kind, const std::vector<std::string>& columns) {
+std::vector<Vocabulary> vocabularies(effects::Kind kind, const effects::Model& model,
+                                     const std::vector<std::string>& columns) {
   std::vector<Vocabulary> all;
   for (const effects::Stage stage : effects::kind_facts(kind).formula_stages) {
     switch (stage) {
@@ -156,6 +184,10 @@ std::vector<Vocabulary> vocabularies(effects::Kind kind, const std::vector<std::
         break;
       case effects::Stage::joint:
         all.push_back(joint(columns));
+        if (effects::has_base(model, effects::Base::motor)) all.push_back(torque());
+        break;
+      case effects::Stage::light:
+        all.push_back(light());
         break;
       case effects::Stage::detector:
         all.push_back(detector());

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "effects/kind.h"
+#include "effects/model.h"
 #include "measurement/suggest/term.h"
 
 namespace seam::measurement {
@@ -17,12 +17,17 @@ struct Vocabulary {
   std::vector<Term> terms;
   // What curves multiply: terms with "@" in their pieces.
   std::vector<Term> carriers;
+  // Whether nothing else takes an output that stays the same, so that a straight line needs a place
+  // where it is 0.
+  bool offset_is_a_term = false;
   // Where nuisances follow what a carrier does by itself, values of a variable are those of the
   // covariate whose name begins so: "target " of x and y.
   std::string prefix = {};
 };
 
-// The stages whose formulas act on a kind; `columns` are the further columns of a servo log.
-std::vector<Vocabulary> vocabularies(effects::Kind kind, const std::vector<std::string>& columns);
+// The stages whose formulas act on a kind, beside this model; `columns` are the further columns of
+// a servo log.
+std::vector<Vocabulary> vocabularies(effects::Kind kind, const effects::Model& model,
+                                     const std::vector<std::string>& columns);
 
 }  // namespace seam::measurement

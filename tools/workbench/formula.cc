@@ -37,6 +37,7 @@ constexpr Meaning kMeanings[] = {
     {"rate", "rad/s", "its rate"},
     {"command", "rad", "what was commanded"},
     {"rho", "", "distance from the centre, 1 in the corner"},
+    {"drive", "rad/s^2", "what the motor gives at rest for the controller's duty"},
     {"mean", "DN", "mean value of the pixel"},
     {"range", "m", "distance"},
     {"bearing", "rad", "direction"},
@@ -51,7 +52,8 @@ struct StageHelp {
   const char *stage, *help;
 };
 constexpr StageHelp kStageHelps[] = {
-    {"joint", "The angle of each joint, before it moves camera or robot."},
+    {"joint", "The angle of each joint, before it moves camera or robot, or what turns its motor."},
+    {"target", "Where the target's points lie on it."},
     {"geometry", "Where the lens puts a point in the image."},
     {"corner_detector", "Where a corner is found, beside where the lens puts it."},
     {"radiometry", "How bright the lens makes each place of the image."},
@@ -78,8 +80,9 @@ json variable_json(const std::string& name) {
 std::string form_of(const effects::FormulaStage& stage) {
   const std::string& output = stage.outputs.front();
   const std::string& by = stage.variables.front();
-  const std::string formula =
-      output == "gain" ? "1 + k * rho^2" : fmt::format("{} + k * {}", output, by);
+  const std::string begins = effects::formula_without_change(output),
+                    part = output == "gain" ? "k * rho^2" : "k * " + by,
+                    formula = begins == "0" ? part : begins + " + " + part;
   return fmt::format("{}: \"{}\"\nparameters:\n  k: {{neutral: 0, min: -1, max: 1}}\n", output,
                      formula);
 }

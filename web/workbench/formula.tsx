@@ -8,6 +8,8 @@ import { applyFormula, busy, screen, searched, session, version } from "./store"
 
 const stages = signal<api.Stage[] | null>(null);
 const stage = signal("");
+/** Which of two ways to act at a stage: its first output. */
+const target = signal("");
 const name = signal("my_effect");
 const text = signal("");
 const checked = signal<api.Checked | null>(null);
@@ -17,6 +19,7 @@ const proposed = signal<api.Proposals | null>(null);
 /** Puts a formula into the editor and shows it. */
 export function edit(formula: { stage: string; name: string; text: string }): void {
   stage.value = formula.stage;
+  target.value = /^\s*(\w+):/.exec(formula.text)?.[1] ?? "";
   name.value = formula.name;
   text.value = formula.text;
   screen.value = "formula";
@@ -43,15 +46,20 @@ let example = "";
 
 function setStage(next: api.Stage | undefined): void {
   stage.value = next?.name ?? "";
+  target.value = next?.targets?.[0] ?? "";
   if (next && (!text.value.trim() || text.value === example)) text.value = example = next.form;
 }
+
+const called = (one: api.Stage, all: api.Stage[]) =>
+  words(one.name) + (all.filter(({ name }) => name === one.name).length > 1 ? `: ${one.targets?.join(", ")}` : "");
 
 export function FormulaScreen() {
   useEffect(() => void read(), []);
   const known = stages.value;
   if (failed.value) return <div class="page"><h1>Formula</h1><p class="empty" role="alert">{failed.value}</p></div>;
   if (!known) return <div class="page"><p class="empty" role="status">Reading the stages …</p></div>;
-  const now = known.find((one) => one.name === stage.value);
+  const named = known.filter((one) => one.name === stage.value);
+  const now = named.find((one) => one.targets?.includes(target.value)) ?? named[0];
   return (
     <div class="page formula-screen">
       <h1>Formula</h1>
@@ -61,8 +69,8 @@ export function FormulaScreen() {
         <div class="write">
           <div class="fields">
             <label>Stage
-              <select value={stage.value} onChange={(e) => setStage(known.find((one) => one.name === e.currentTarget.value))}>
-                {known.map((one) => <option key={one.name} value={one.name}>{words(one.name)}{one.acts === false ? " (not seen in these data)" : ""}</option>)}
+              <select value={now ? known.indexOf(now) : ""} onChange={(e) => setStage(known[Number(e.currentTarget.value)])}>
+                {known.map((one, i) => <option key={i} value={i}>{called(one, known)}{one.acts === false ? " (not seen in these data)" : ""}</option>)}
               </select></label>
             <label>Name <input value={name.value} pattern="[a-z][a-z0-9_]*" onInput={(e) => (name.value = e.currentTarget.value)} /></label>
           </div>

@@ -83,14 +83,14 @@ void advance_to(const ServoModel& servo, const Piece& piece, SimTime from, SimTi
     return advance_joint(under(servo, piece), {.command_rad = piece.command_rad}, (time - from).s(),
                          state);
   const auto [setpoint_rad, radps] = piece.setpoint(from);
-  MotorInput input{.command_rad = setpoint_rad, .command_radps = radps};
+  MotorInput input{.command_rad = setpoint_rad, .command_radps = radps, .t_s = from.s()};
   double left_s = (time - from).s();
   if (radps != 0) {
     const double arrives_s = (piece.command_rad - setpoint_rad) / radps;
     if (arrives_s < left_s) {
       advance_joint(servo, input, arrives_s, state);
       left_s -= arrives_s;
-      input = {.command_rad = piece.command_rad};
+      input = {.command_rad = piece.command_rad, .t_s = from.s() + arrives_s};
     }
   }
   advance_joint(servo, input, left_s, state);

@@ -97,8 +97,7 @@ double wanted_duty(const TorqueModel& m, const MotorInput& in, const MotorState&
 
 double free_drive(const TorqueModel& m, const MotorInput& in, const MotorState& s) {
   if (!in.enabled) return 0;
-  const double duty = std::clamp(wanted_duty(m, in, s), -m.max_duty, m.max_duty);
-  return in.strength * (m.stall_rad_per_s2 * in.voltage * duty - m.back_emf_per_s * s.w_radps);
+  return in.strength * (drive_at_rest(m, in, s) - m.back_emf_per_s * s.w_radps);
 }
 
 // How much of the load pulls at this angle; 0 where nothing hangs on the joint.
@@ -366,6 +365,12 @@ HangingLoad::HangingLoad(const TorqueModel& motor)
     : along_cos_(motor.gravity_rad_per_s2 * maths::cos(motor.level_rad)),
       along_sin_(motor.gravity_rad_per_s2 * maths::sin(motor.level_rad)),
       constant_(motor.asymmetry_rad_per_s2) {}
+
+double drive_at_rest(const TorqueModel& motor, const MotorInput& input, const MotorState& state) {
+  if (!input.enabled) return 0;
+  const double duty = std::clamp(wanted_duty(motor, input, state), -motor.max_duty, motor.max_duty);
+  return motor.stall_rad_per_s2 * input.voltage * duty;
+}
 
 bool has_dry_friction(const TorqueModel& motor) {
   return motor.coulomb_rad_per_s2 > 0 || motor.stribeck_rad_per_s2 > 0 || motor.load_fraction > 0 ||

@@ -59,6 +59,7 @@ struct MotorInput {
   double voltage = 1;   // In units of its median.
   double strength = 1;  // Of the drive, in units of its own at the reference temperature.
   bool enabled = true;  // False: no drive and no back-EMF.
+  double t_s = 0;       // Now; formulas read it.
 };
 
 struct MotorState {
@@ -84,6 +85,9 @@ class HangingLoad {
   double along_cos_, along_sin_;  // Of gravity.
   double constant_;
 };
+
+// What the motor gives at rest for the controller's duty, before its limits; 0 where it is off.
+double drive_at_rest(const TorqueModel& motor, const MotorInput& input, const MotorState& state);
 
 // Angular acceleration now, under this load. A joint slower than `rest_radps` counts as at rest:
 // dry friction holds it as long as it can.

@@ -149,10 +149,12 @@ std::vector<double> MotionLook::misses(const Model& model) const {
                                       .kp = log.kp[given],
                                       .voltage = log.voltage[piece.row],
                                       .strength = servo.torque.strength_at(log.warmer_k[piece.row]),
-                                      .enabled = log.enabled[given] != 0};
+                                      .enabled = log.enabled[given] != 0,
+                                      .t_s = piece.at_s};
+      const double load_radps2 =
+          load.at(piece.cos_q, piece.sin_q) - effects::push_on(servo, input, piece.state);
       sum += piece.weight * effects::motor_acceleration(servo.torque, input, piece.state,
-                                                        load.at(piece.cos_q, piece.sin_q),
-                                                        at.rest_radps);
+                                                        load_radps2, at.rest_radps);
     }
     misses.push_back(at.a_radps2 - sum / at.weights);
   }

@@ -3,6 +3,7 @@
 #include "measurement/kinds/photometry/means/photometry_means.h"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -134,6 +135,9 @@ TEST(PhotometryMeansSlow, AWeakerLampIsNoFluctuation) {
   EXPECT_FALSE(result.mimics.empty());
   ASSERT_TRUE(result.unnamed);
   EXPECT_EQ(result.unnamed->depends_on.front(), std::vector<std::string>{"time"});
+  // 3 % in 11.7 s.
+  ASSERT_TRUE(result.suggestion);
+  EXPECT_THAT(result.suggestion->formula, testing::ContainsRegex("^gain: 1 - 0.0025[0-9]* [*] t$"));
 }
 
 }  // namespace
