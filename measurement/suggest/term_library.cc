@@ -304,8 +304,9 @@ void TermLibrary::add_curves(const Term& carrier, const std::string& variable,
   for (int k = 1; k < kPlaces; ++k) {
     const double place = values[values.size() * k / kPlaces];
     for (const Curve curve : {Curve::step, Curve::above, Curve::below}) add(curve, {place});
-    const bool alone = carrier.pieces.size() == 1 && carrier.pieces[0].text == "@";
-    if (alone && vocabulary_.offset_is_a_term) add(Curve::line, {place});
+    // What stays the same is often fitted already where the curve acts on something else.
+    if (carrier.pieces.size() == 1 && carrier.pieces[0].text == "@" && k % 2 == 0)
+      add(Curve::line, {place});
   }
   for (int k = 2; k < kFewWaves && !vocabulary_.prefix.empty(); ++k) {
     for (const double phase : {0.0, 0.5 * maths::kPi})

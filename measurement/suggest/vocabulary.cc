@@ -89,8 +89,7 @@ Vocabulary joint(const std::vector<std::string>& columns) {
 
 // What pushes a motor: loads, friction by the place, a motor that is stronger here or weaker later.
 Vocabulary torque() {
-  Vocabulary all{
-      .stage = "joint", .outputs = {"torque"}, .variables = {"q", "t"}, .offset_is_a_term = true};
+  Vocabulary all{.stage = "joint", .outputs = {"torque"}, .variables = {"q", "t"}};
   std::vector<std::string> texts = products({"q", "rate", "t"}, 3);
   append(texts, {"rate * abs(rate)", "sign(rate)", "sign(rate) * q", "sign(rate) * q * q",
                  "sign(rate) * t", "abs(rate)", "sin(q)", "cos(q)", "sin(2 * q)", "cos(2 * q)",

@@ -17,9 +17,6 @@ struct Vocabulary {
   std::vector<Term> terms;
   // What curves multiply: terms with "@" in their pieces.
   std::vector<Term> carriers;
-  // Whether nothing else takes an output that stays the same, so that a straight line needs a place
-  // where it is 0.
-  bool offset_is_a_term = false;
   // Where nuisances follow what a carrier does by itself, values of a variable are those of the
   // covariate whose name begins so: "target " of x and y.
   std::string prefix = {};
