@@ -75,7 +75,8 @@ def write(path, program, answers, **more):
 
 # Variables of formulas by the names of the quantities that they are.
 VARIABLES = {"t": "time", "q": "command_rad", "x": "column", "y": "row", "u": "column", "v": "row", "r2": "radius",
-             "vx": "vx_cmd_mps", "vy": "vy_cmd_mps", "omega": "omega_cmd_radps", "theta": "heading"}
+             "vx": "vx_cmd_mps", "vy": "vy_cmd_mps", "omega": "omega_cmd_radps", "theta": "heading",
+             "rate": "joint_rate"}
 
 
 def variables_of(formula):

@@ -165,6 +165,7 @@ void TermLibrary::look_from(const Assessment& here) {
 
 // The part of a column that the fitted parameters do not span, of unit length; empty: none.
 TermLibrary::ByScalar TermLibrary::beyond(ByScalar column) const {
+  if (column.empty()) return {};
   const double before = dot(column, column);
   for (int twice = 0; twice < 2; ++twice) {
     for (const ByScalar& direction : basis_) take_out(direction, column);
@@ -179,7 +180,6 @@ std::vector<TermLibrary::Worth> TermLibrary::worths() const {
   const double price = kPriceOfClear * std::log(count_) * misfit_;
   std::vector<Worth> worths(terms_.size());
   parallel_for(terms_.size(), [&](size_t i) {
-    if (library_[i].empty()) return;
     ByScalar own = beyond(library_[i]);
     if (own.empty()) return;
     const double gain = 0.5 * share_ * std::pow(dot(own, rest_), 2);
@@ -196,7 +196,7 @@ std::vector<TermLibrary::Worth> TermLibrary::worths() const {
     }
     if (auto bump = best_bump(along)) {
       const ByScalar column = derivative(*bump);
-      ByScalar own = column.empty() ? column : beyond(column);
+      ByScalar own = beyond(column);
       if (own.empty()) continue;
       const double gained = 0.5 * share_ * std::pow(dot(own, rest_), 2);
       set_coefficient(column, own, *bump);
@@ -305,8 +305,7 @@ void TermLibrary::add_curves(const Term& carrier, const std::string& variable,
     const double place = values[values.size() * k / kPlaces];
     for (const Curve curve : {Curve::step, Curve::above, Curve::below}) add(curve, {place});
     // What stays the same is often fitted already where the curve acts on something else.
-    if (carrier.pieces.size() == 1 && carrier.pieces[0].text == "@" && k % 2 == 0)
-      add(Curve::line, {place});
+    if (carrier.pieces.size() == 1 && carrier.pieces[0].text == "@") add(Curve::line, {place});
   }
   for (int k = 2; k < kFewWaves && !vocabulary_.prefix.empty(); ++k) {
     for (const double phase : {0.0, 0.5 * maths::kPi})
@@ -318,8 +317,7 @@ void TermLibrary::add_curves(const Term& carrier, const std::string& variable,
 Term TermLibrary::moved_to_the_best(Term term) const {
   if (term.numbers.empty() || term.curve == Curve::wave) return term;
   const auto gain_of = [&](const Term& other) {
-    const ByScalar column = derivative(other);
-    const ByScalar own = column.empty() ? column : beyond(column);
+    const ByScalar own = beyond(derivative(other));
     return own.empty() ? 0 : std::pow(dot(own, rest_), 2);
   };
   double most = gain_of(term), part = 1;
@@ -337,8 +335,7 @@ Term TermLibrary::moved_to_the_best(Term term) const {
     }
   }
   const ByScalar column = derivative(term);
-  if (const ByScalar own = column.empty() ? column : beyond(column); !own.empty())
-    set_coefficient(column, own, term);
+  if (const ByScalar own = beyond(column); !own.empty()) set_coefficient(column, own, term);
   return term;
 }
 
