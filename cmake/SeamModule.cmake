@@ -147,6 +147,6 @@ function(seam_test_program name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 TEST_FILTER "-${slow}" PROPERTIES TIMEOUT 300
                        ENVIRONMENT SEAM_CACHE=off LABELS unit)
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 TEST_FILTER "${slow}" TEST_LIST ${name}_SLOW_TESTS PROPERTIES TIMEOUT 300
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 TEST_FILTER "${slow}" TEST_LIST ${name}_SLOW_TESTS PROPERTIES TIMEOUT 600
                        ENVIRONMENT SEAM_CACHE=off LABELS slow)
 endfunction()
