@@ -37,7 +37,7 @@ constexpr Meaning kMeanings[] = {
     {"rate", "rad/s", "its rate"},
     {"command", "rad", "what was commanded"},
     {"rho", "", "distance from the centre, 1 in the corner"},
-    {"drive", "rad/s^2", "what the motor gives at rest for the controller's duty"},
+    {"drive", "rad/s²", "what the motor gives at rest for the controller's duty"},
     {"mean", "DN", "mean value of the pixel"},
     {"range", "m", "distance"},
     {"bearing", "rad", "direction"},
@@ -83,8 +83,9 @@ std::string form_of(const effects::FormulaStage& stage) {
   const std::string begins = effects::formula_without_change(output),
                     part = output == "gain" ? "k * rho^2" : "k * " + by,
                     formula = begins == "0" ? part : begins + " + " + part;
-  return fmt::format("{}: \"{}\"\nparameters:\n  k: {{neutral: 0, min: -1, max: 1}}\n", output,
-                     formula);
+  const int reach = begins == "0" ? 1000 : 1;  // A torque is in rad/s^2.
+  return fmt::format("{}: \"{}\"\nparameters:\n  k: {{neutral: 0, min: -{}, max: {}}}\n", output,
+                     formula, reach, reach);
 }
 
 }  // namespace

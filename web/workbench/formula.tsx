@@ -76,7 +76,7 @@ export function FormulaScreen() {
           </div>
           {now?.help && <p class="quiet">{now.help}</p>}
           <p class="quiet small">Write what {now?.targets?.length ? listOf(now.targets) : "it"} becomes: the whole new value, such as{" "}
-            <code>{now?.targets?.[0] ?? "u"} + k * …</code>. Below <code>parameters:</code> each parameter has a line, two spaces in.</p>
+            <code>{/"([^"]*)"/.exec(now?.form ?? "")?.[1] ?? "u + k * x"}</code>. Below <code>parameters:</code> each parameter has a line, two spaces in.</p>
           <Text stage={now} />
           <Verdict />
         </div>
