@@ -16,7 +16,7 @@ inline constexpr TrustRow kTrust[] = {
     {"landmarks", "named", 6, 6},        {"landmarks", "unexplained", 9, 9},
     {"odometry", "nothing", 4, 4},       {"odometry", "named", 12, 12},
     {"odometry", "unexplained", 15, 15}, {"photometry", "nothing", 2, 2},
-    {"photometry", "named", 6, 6},       {"photometry", "unexplained", 8, 8},
+    {"photometry", "named", 6, 6},       {"photometry", "unexplained", 6, 6},
     {"points", "nothing", 5, 4},         {"points", "named", 15, 12},
     {"points", "unexplained", 10, 10},
 };
