@@ -9,8 +9,9 @@ namespace seam::effects {
 struct FormulaStage {
   std::string name;
   std::vector<std::string> variables;
-  std::vector<std::string> outputs;  // Each is a variable too, but for gain, which multiplies.
-  unsigned kinds = 0;                // Of measurement, on which they act.
+  // Each is a variable too, but for gain, which multiplies, and torque, which adds.
+  std::vector<std::string> outputs;
+  unsigned kinds = 0;  // Of measurement, on which they act.
 };
 // A stage at which formulas may act at two places stands once for each.
 std::vector<FormulaStage> formula_stages();

@@ -176,16 +176,19 @@ TermLibrary::ByScalar TermLibrary::beyond(ByScalar column) const {
   return column;
 }
 
+// What a term gains by its column, less its price; nothing where the fitted parameters span it.
+TermLibrary::Worth TermLibrary::worth_of(Term term, const ByScalar& column) const {
+  ByScalar own = beyond(column);
+  if (own.empty()) return {};
+  const double gain = 0.5 * share_ * std::pow(dot(own, rest_), 2);
+  set_coefficient(column, own, term);
+  return {gain - term.parameters() * price_of_number(), std::move(term), std::move(own)};
+}
+
 std::vector<TermLibrary::Worth> TermLibrary::worths() const {
-  const double price = kPriceOfClear * std::log(count_) * misfit_;
+  const double price = price_of_number();
   std::vector<Worth> worths(terms_.size());
-  parallel_for(terms_.size(), [&](size_t i) {
-    ByScalar own = beyond(library_[i]);
-    if (own.empty()) return;
-    const double gain = 0.5 * share_ * std::pow(dot(own, rest_), 2);
-    worths[i] = {gain - terms_[i].parameters() * price, terms_[i], std::move(own)};
-    set_coefficient(library_[i], worths[i].own, worths[i].term);
-  });
+  parallel_for(terms_.size(), [&](size_t i) { worths[i] = worth_of(terms_[i], library_[i]); });
   for (const Along& along : along_) {
     double gain = 0;
     auto wave = best_wave(along, gain);
@@ -194,14 +197,7 @@ std::vector<TermLibrary::Worth> TermLibrary::worths() const {
       if (!own.empty())
         worths.push_back({gain - wave->parameters() * price, *std::move(wave), std::move(own)});
     }
-    if (auto bump = best_bump(along)) {
-      const ByScalar column = derivative(*bump);
-      ByScalar own = beyond(column);
-      if (own.empty()) continue;
-      const double gained = 0.5 * share_ * std::pow(dot(own, rest_), 2);
-      set_coefficient(column, own, *bump);
-      worths.push_back({gained - bump->parameters() * price, *std::move(bump), std::move(own)});
-    }
+    if (const auto bump = best_bump(along)) worths.push_back(worth_of(*bump, derivative(*bump)));
   }
   std::stable_sort(worths.begin(), worths.end(),
                    [](const Worth& a, const Worth& b) { return a.worth > b.worth; });
@@ -233,11 +229,19 @@ void TermLibrary::set_coefficient(const ByScalar& column, const ByScalar& own, T
   term.size = std::abs(dot(own, rest_) / dot(own, column));
 }
 
-// The strongest wave in a variable where the carrier acts.
-std::optional<Term> TermLibrary::best_wave(const Along& along, double& gain) const {
+double TermLibrary::price_of_number() const {
+  return kPriceOfClear * std::log(count_) * misfit_;
+}
+
+std::vector<double> TermLibrary::rest_of(const Along& along) const {
   std::vector<double> rest;
   for (const size_t i : along.scalars) rest.push_back(rest_[i]);
-  const auto wave = strongest_wave(along.at, along.weight, rest);
+  return rest;
+}
+
+// The strongest wave in a variable where the carrier acts.
+std::optional<Term> TermLibrary::best_wave(const Along& along, double& gain) const {
+  const auto wave = strongest_wave(along.at, along.weight, rest_of(along));
   if (!wave) return std::nullopt;
   gain = share_ * wave->gain;
   Term term = curve_on(along.carrier, Curve::wave, along.variable, 0);
@@ -247,9 +251,7 @@ std::optional<Term> TermLibrary::best_wave(const Along& along, double& gain) con
 }
 
 std::optional<Term> TermLibrary::best_bump(const Along& along) const {
-  std::vector<double> rest;
-  for (const size_t i : along.scalars) rest.push_back(rest_[i]);
-  const auto bump = strongest_bump(along.at, along.weight, rest);
+  const auto bump = strongest_bump(along.at, along.weight, rest_of(along));
   if (!bump) return std::nullopt;
   const auto [low, high] = std::minmax_element(along.at.begin(), along.at.end());
   Term term = curve_on(along.carrier, Curve::bump, along.variable, *high - *low);

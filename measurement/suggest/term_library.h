@@ -52,6 +52,7 @@ class TermLibrary {
   ByScalar derivative(const Term& term, double* step_to_try = nullptr) const;
   void look_from(const Assessment& here);
   ByScalar beyond(ByScalar column) const;
+  Worth worth_of(Term term, const ByScalar& column) const;
   std::vector<Worth> worths() const;
   void set_coefficient(const ByScalar& column, const ByScalar& own, Term& term) const;
   Along along(const ByScalar& alone, const ByScalar& by_variable) const;
@@ -60,6 +61,8 @@ class TermLibrary {
   void add_curves(const Term& carrier, const std::string& variable, std::vector<double> values);
   void add_terms();
   Term moved_to_the_best(Term term) const;
+  double price_of_number() const;
+  std::vector<double> rest_of(const Along& along) const;
   std::optional<Term> best_wave(const Along& along, double& gain) const;
   std::optional<Term> best_bump(const Along& along) const;
 

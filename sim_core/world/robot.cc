@@ -236,9 +236,10 @@ SensorTruth Robot::sense(SimTime time, double fraction, SimDuration interval) co
   const double h = interval.s();
   const Vec3 acceleration_W = (origin_[2] - 2.0 * origin_[1] + origin_[0]) / (h * h);
   truth.motion_B.force_mps2 = glm::transpose(X_WB.R) * (acceleration_W + Vec3(0, 0, kGravity));
-  truth.motion_B.rate_radps = turn_of(glm::transpose(body_pose(track.points.front(), 0).R) *
-                                      body_pose(track.points.back(), 1).R) /
-                              h;
+  if (spec_->sensors.gyroscope)
+    truth.motion_B.rate_radps = turn_of(glm::transpose(body_pose(track.points.front(), 0).R) *
+                                        body_pose(track.points.back(), 1).R) /
+                                h;
   if (spec_->body.tree.present()) return truth;
   const auto paws_B = paws(time);
   for (size_t i = 0; i < kLegs; ++i) {

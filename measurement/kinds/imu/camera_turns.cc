@@ -38,9 +38,7 @@ void read_gyroscope(const MeasurementSet& set, CameraData& data, int64_t& first_
                                  table.rows(), kLeastSamples));
   first_ns = time_ns.front();
   for (size_t row = 0; row < table.rows(); ++row) {
-    if (row > 0 && time_ns[row] <= time_ns[row - 1])
-      table.fail(row, "time_s", table.cell(row, "time_s"),
-                 "a later time than that of the row before");
+    expect_later(table, time_ns, row);
     data.at_s.push_back(1e-9 * static_cast<double>(time_ns[row] - first_ns));
     data.rate_radps.emplace_back(columns[0][row], columns[1][row], columns[2][row]);
   }
@@ -74,9 +72,7 @@ void read_views(const CsvTable& table, int64_t first_ns, CameraData& data) {
   std::vector<double> exposure_s(table.rows(), 0);
   if (table.has("exposure_s")) exposure_s = table.numbers("exposure_s");
   for (size_t row = 0; row < table.rows(); ++row) {
-    if (row > 0 && time_ns[row] <= time_ns[row - 1])
-      table.fail(row, "time_s", table.cell(row, "time_s"),
-                 "a later time than that of the row before");
+    expect_later(table, time_ns, row);
     constexpr double kOff = 0.01;  // More than digits that were cut.
     const double size = w[row] * w[row] + x[row] * x[row] + y[row] * y[row] + z[row] * z[row];
     if (std::abs(size - 1) > kOff)

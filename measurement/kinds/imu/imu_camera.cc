@@ -16,16 +16,6 @@ namespace {
 
 constexpr size_t kCameraParts = 10;  // Of the recording, that are held out in turn or together.
 
-effects::Inertial with_parameter(const EffectDefinition& effect, size_t parameter) {
-  std::vector<double> values;
-  for (const effects::Parameter& one : effect.parameters) values.push_back(one.neutral);
-  const effects::Parameter& tried = effect.parameters[parameter];
-  values[parameter] = tried.fit_reciprocal ? tried.scale : tried.neutral + tried.scale;
-  effects::Noise noise;
-  if (effect.noise) effect.noise(values, noise);
-  return noise.inertial;
-}
-
 bool moves_rates(const effects::InertialSensor& gyro) {
   const effects::Triad none{};
   return gyro.bias != none || gyro.per_k != none || gyro.scale != none ||
@@ -197,7 +187,7 @@ void ImuCameraProblem::check_model(const Model& model) const {
 
 std::string ImuCameraProblem::not_testable(const Model& model, const EffectDefinition& effect,
                                            size_t parameter) const {
-  const effects::Inertial by = with_parameter(effect, parameter);
+  const effects::Inertial by = tried_alone(effect, parameter);
   const bool of_camera = by.camera_offset_s != 0 || by.camera_turn_rad != effects::Triad{};
   if (by.camera_offset_of_exposure != 0 && !data_.knows_exposure)
     return "attitudes have no exposure_s that differs from view to view";
@@ -259,7 +249,7 @@ std::vector<double> ImuCameraProblem::best_turn(const Model& model) const {
 
 std::vector<std::vector<double>> ImuCameraProblem::starts(const Model& model,
                                                           const EffectDefinition& effect) const {
-  const effects::Inertial by = with_parameter(effect, 0);
+  const effects::Inertial by = tried_alone(effect, 0);
   std::vector<double> start;
   if (by.camera_offset_s != 0) start = best_offset(model);
   if (by.camera_turn_rad != effects::Triad{}) start = best_turn(model);

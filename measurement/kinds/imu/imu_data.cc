@@ -63,11 +63,8 @@ double usual_step_s(const CsvTable& table, const Columns& columns) {
   std::vector<double> steps;
   for (size_t row = 1; row < table.rows(); ++row) {
     if (!columns.run.empty() && columns.run[row] != columns.run[row - 1]) continue;
-    const int64_t step_ns = columns.time_ns[row] - columns.time_ns[row - 1];
-    if (step_ns <= 0)
-      table.fail(row, "time_s", table.cell(row, "time_s"),
-                 "a later time than that of the row before");
-    steps.push_back(1e-9 * static_cast<double>(step_ns));
+    expect_later(table, columns.time_ns, row);
+    steps.push_back(1e-9 * static_cast<double>(columns.time_ns[row] - columns.time_ns[row - 1]));
   }
   if (steps.empty())
     throw InputError(fmt::format("{}: found {} rows, expected samples that follow each other",
@@ -113,6 +110,12 @@ void hold_last(std::vector<double>& values) {
 }
 
 }  // namespace
+
+void expect_later(const CsvTable& table, const std::vector<int64_t>& time_ns, size_t row) {
+  if (row > 0 && time_ns[row] <= time_ns[row - 1])
+    table.fail(row, "time_s", table.cell(row, "time_s"),
+               "a later time than that of the row before");
+}
 
 Vec3 force_read(const ImuStretch& stretch) {
   return {stretch.mean[3], stretch.mean[4], stretch.mean[5]};

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "effects/stages/inertial/inertial.h"
 #include "measurement/problem/problem.h"
 #include "measurement/sets/set.h"
 #include "sim_core/base/pose.h"
@@ -53,6 +54,12 @@ struct ImuData {
 
 // Throws InputError for a model with an effect that does not act on inertial sensors.
 void expect_inertial(const Problem& problem, const Model& model);
+
+// What the effect alone does at a typical size of one parameter, all others at neutral.
+effects::Inertial tried_alone(const EffectDefinition& effect, size_t parameter);
+
+// Throws InputError for a row of a table that is not later than the row before.
+void expect_later(const CsvTable& table, const std::vector<int64_t>& time_ns, size_t row);
 
 // Reads and checks imu.csv. `measured` false: a protocol, readings are not looked at.
 ImuData read_imu(const MeasurementSet& set, bool measured);
