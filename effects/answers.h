@@ -61,6 +61,8 @@ enum class Need {
   moving_view,       // Something moves in the image while frames are taken.
   repeating_motion,  // The head repeats its motion with one period.
   encoder_steps,     // Angles that may have been rounded to steps.
+  motor_torques,     // Torques of the motor, measured.
+  known_inertia,     // An inertia that is known beside these torques.
   moving_body,       // The body moves.
   forward_walk,      // It walks forward (sideways, turns) in some run.
   sideways_walk,

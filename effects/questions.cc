@@ -46,6 +46,30 @@ const Advice* advice_of(const std::string& name, const std::string& other, unsig
   return nullptr;
 }
 
+// What the way of a body must show or have beside it.
+std::string of_ways(Need need) {
+  switch (need) {
+    case Need::moving_body:
+      return "a body that moves";
+    case Need::forward_walk:
+      return "a walk forward";
+    case Need::sideways_walk:
+      return "a walk sideways";
+    case Need::turning:
+      return "a turn";
+    case Need::both_turns:
+      return "turns to the left and to the right";
+    case Need::path:
+      return "a walk";
+    case Need::wheels:
+      return "a body on two wheels";
+    case Need::commanded_walk:
+      return "commanded velocities";
+    default:
+      return "";
+  }
+}
+
 // What a set's images must show or have beside them.
 std::string of_images(Need need) {
   switch (need) {
@@ -82,6 +106,10 @@ std::string to_string(Need need) {
       return "a distance that is known beside those on the target";
     case Need::joints:
       return "joints";
+    case Need::motor_torques:
+      return "measured torques of the motor";
+    case Need::known_inertia:
+      return "a joint whose inertia is stated";
     case Need::tilt_joint:
       return "a tilt joint";
     case Need::pan_joint:
@@ -104,32 +132,25 @@ std::string to_string(Need need) {
       return "a head that repeats its motion";
     case Need::encoder_steps:
       return "angles that may have been rounded";
-    case Need::moving_body:
-      return "a body that moves";
-    case Need::forward_walk:
-      return "a walk forward";
-    case Need::sideways_walk:
-      return "a walk sideways";
-    case Need::turning:
-      return "a turn";
-    case Need::both_turns:
-      return "turns to the left and to the right";
-    case Need::path:
-      return "a walk";
     case Need::bearings:
       return "bearings";
     case Need::distances:
       return "ranges";
-    case Need::wheels:
-      return "a body on two wheels";
-    case Need::commanded_walk:
-      return "commanded velocities";
     case Need::landmark_places:
       return "landmarks seen from several sides";
     case Need::space:
       return "views beyond the plane of the ground";
     case Need::flat_target:
       return "points in a plane";
+    case Need::moving_body:
+    case Need::forward_walk:
+    case Need::sideways_walk:
+    case Need::turning:
+    case Need::both_turns:
+    case Need::path:
+    case Need::wheels:
+    case Need::commanded_walk:
+      return of_ways(need);
     case Need::several_views:
     case Need::unknown_poses:
     case Need::still_views:

@@ -25,6 +25,9 @@
   X(load_friction)            \
   X(friction_asymmetry)       \
   X(motor_heating)            \
+  X(joint_inertia)            \
+  X(effort_scale)             \
+  X(effort_offset)            \
   X(torque_limit)             \
   X(servo_latency)            \
   X(servo_lag)                \

@@ -143,6 +143,13 @@ def sprung(stiffness, damping, way, t):
     return way * (1 - left)
 
 
+def driven(stiffness, damping, t):
+    """What drives that spring from 0 to 1: its acceleration."""
+    omega = math.sqrt(stiffness - damping * damping / 4)
+    rate = stiffness / omega * math.exp(-damping / 2 * t) * math.sin(omega * t)
+    return stiffness * (1 - sprung(stiffness, damping, 1, t)) - damping * rate
+
+
 def fisheye(p, x, y, z):
     """r_d over the tangent's r of a ray."""
     t = math.atan2(math.hypot(x, y), z)
@@ -236,6 +243,15 @@ PROOFS = [
     ("friction_asymmetry", [-30], STEP + [("at_s", 0.15)], {"joint_rad": "swung(at_s, pull=p[0])"}, SMALL_STEPS),
     ("motor_heating", [0.005], STEP + [("warmer_k", 20), ("at_s", 0.2)], {"joint_rad": "sprung(100 / 1.1, 10 / 1.1, 1, at_s)"}),
     ("motor_heating", [0.01], STEP + [("warmer_k", -30), ("at_s", 0.1)], {"joint_rad": "sprung(100 / 0.7, 10 / 0.7, 1, at_s)"}),
+    ("joint_inertia", [0.02], STEP + [("at_s", 0.05)], {"effort_nm": "p[0] * driven(100, 10, at_s)"}),
+    ("joint_inertia", [1.5], STEP + [("at_s", 0.3)], {"effort_nm": "p[0] * driven(100, 10, at_s)"}),
+    ("effort_scale", [0.25], STEP + [("at_s", 0.1), ("inertia_kg_m2", 0.02)],
+     {"effort_nm": "(1 + p[0]) * inertia_kg_m2 * driven(100, 10, at_s)"}),
+    ("effort_scale", [-0.4], STEP + [("at_s", 0.02), ("inertia_kg_m2", 0.3)],
+     {"effort_nm": "(1 + p[0]) * inertia_kg_m2 * driven(100, 10, at_s)"}),
+    ("effort_offset", [0.05], STEP + [("at_s", 0.1), ("inertia_kg_m2", 0.02)],
+     {"effort_nm": "inertia_kg_m2 * driven(100, 10, at_s) + p[0]"}),
+    ("effort_offset", [-0.3], STEP + [("at_s", 0.2)], {"effort_nm": "p[0]"}),
     ("torque_limit", [30], STEP + [("at_s", 0.1)], {"joint_rad": "p[0] * at_s ** 2 / 2"}),
     ("torque_limit", [40], STEP + [("at_s", 0.25)], {"joint_rad": "swung(at_s, limit=p[0])"}, SMALL_STEPS),
     ("servo_latency", [0.016], STEP + [("at_s", 0.015)], {"joint_rad": "0"}),
@@ -614,7 +630,7 @@ def number(value):
 def proof_of(effect, values, given, expected, tolerance=None):
     names = {name: value for name, value in given}
     names.update(p=values, math=math, root=root, play=play, turned=turned, walked=walked, fisheye=fisheye, slid=slid,
-                 tangential=tangential, rational=rational, swung=swung, sprung=sprung, beside=beside,
+                 tangential=tangential, rational=rational, swung=swung, sprung=sprung, driven=driven, beside=beside,
                  rolled=rolled, elastic=elastic, through_port=through_port, vibrating=vibrating, spun=spun)
     found = {name: eval(text, dict(names)) for name, text in expected.items()}
     pairs = lambda items: "{" + ", ".join(f'{{"{name}", {number(value)}}}' for name, value in items) + "}"

@@ -96,6 +96,8 @@ ROOMS = {
         "kinds/points/motion": ["kinds/points/target", "numerics"],
         "kinds/points/data": ["kinds/points/target", "sets", "problem", "numerics", "noise"],
         "kinds/points": ["kinds", "kinds/points/data", "kinds/points/motion", "kinds/points/target", "sets", "imaging", "problem", "numerics", "fitting", "noise"],
+        "kinds/joints/torque": ["sets", "problem"],
+        "kinds/joints": ["kinds", "kinds/joints/torque", "sets", "imaging", "problem", "numerics", "fitting", "noise"],
         "kinds/*": ["kinds", "sets", "imaging", "problem", "numerics", "fitting", "noise"],
         "check": ["numerics", "imaging", "kinds", "sets", "problem", "fitting", "judge", "search", "search/models"],
         "infer": ["numerics", "problem", "fitting"],

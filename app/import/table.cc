@@ -128,7 +128,7 @@ const std::vector<ImportKind>& import_kinds() {
        .help = "logs of commanded and measured angles: CSV or JSON, a file a run, or commands and "
                "states in two files",
        .options = {"map", "unit", "time-unit", "reverse", "off-where"},
-       .quantities = {"time", "command", "measured", "run", "joint", "kp", "voltage",
+       .quantities = {"time", "command", "measured", "run", "joint", "kp", "voltage", "effort",
                       "torque_enable"},
        .fill = import_servo,
        .what = "logs of a servo",

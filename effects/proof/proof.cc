@@ -113,6 +113,9 @@ Quantities joint_outcome(const Model& model, const Quantities& given) {
   servo.set_warmer(value_of(given, "warmer_k"));
   servo.advance_to(value_of(given, "at_s"));
   out.push_back({"joint_rad", servo.joint_rad()});
+  const EffortReading& effort = servo.model().effort;
+  const double inertia_kg_m2 = value_of(given, "inertia_kg_m2", effort.inertia_kg_m2);
+  out.push_back({"effort_nm", effort.of_torque(inertia_kg_m2 * servo.drive_rad_per_s2())});
   out.push_back(
       {"joint_covariance_rad2", covariance_of(noise_of(model).joint, value_of(given, "lag_s"))});
   return out;

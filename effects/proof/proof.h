@@ -8,7 +8,7 @@
 //   joint        start_rad [0], limit_radps [none], warmer_k [0], then command_s and command_rad in
 //                pairs, at_s
 //                -> joint_rad; effects of a motor beside one with stall_rad_per_s2 200,
-//                back_emf_per_s 10, gain 0.5
+//                back_emf_per_s 10, gain 0.5; inertia_kg_m2 [the model's] -> effort_nm
 //                logged_tilt_rad, logged_pan_rad, logged_roll_rad (series of the encoder's log)
 //                -> tilt_rad, pan_rad, roll_rad after it; rounding_sigma_rad
 //                true_pan_rad -> logged_pan_rad; likewise tilt, roll

@@ -13,6 +13,7 @@
 #include "effects/model.h"
 #include "effects/stages/torque/elastic.h"
 #include "effects/stages/torque/torque.h"
+#include "sim_core/base/maths.h"
 
 namespace seam::effects {
 
@@ -24,6 +25,15 @@ struct GearRipple {
 
   double at(double q_rad) const;
   double slope_at(double q_rad) const;
+};
+
+// What a log shows of the motor's torque: a current that is turned into it.
+struct EffortReading {
+  double inertia_kg_m2 = 0;  // Of joint and load; 0: unknown.
+  double scale = 0;          // Shown is this share more than the drive gives,
+  double offset_nm = 0;      // and this besides.
+
+  double of_torque(double torque_nm) const { return (1 + scale) * torque_nm + offset_nm; }
 };
 
 // What a formula of the torque reads.
@@ -48,6 +58,7 @@ struct ServoModel {
   GearRipple ripple;     // Before the load sags.
   ElasticJoint elastic;  // Behind the play, before ripple and sag.
   TorqueModel torque;    // Where present it moves the motor instead of the rules above.
+  EffortReading effort;  // Of its drive; it moves nothing.
   // Torque formulas: angular acceleration (rad/s^2) that each adds to the motor's.
   std::vector<std::function<double(const PushedMotor&)>> pushes;
   // Joint formulas (expression effects), in order: their result replaces the angle.
@@ -118,6 +129,13 @@ class Servo {
 
   double joint_rad() const { return joint_angle(model_, state_); }
   const ServoState& state() const { return state_; }
+  // What a motor gives, in acceleration of its joint. One that no command has reached holds its
+  // load.
+  double drive_rad_per_s2() const {
+    const MotorState motor{state_.motor_rad, state_.motor_radps};
+    return begun_ ? drive_of(model_.torque, input_, motor)
+                  : HangingLoad(model_.torque).at(maths::cos(motor.q_rad), maths::sin(motor.q_rad));
+  }
   double acting_command_rad() const { return input_.command_rad; }
   const ServoModel& model() const { return model_; }
 

@@ -202,6 +202,7 @@ std::string compare_text(const Problem& problem, const CompareResult& result,
       "{}: {} residuals in {} groups\nerror on held-out groups {:.4f} (1.0 is the noise)\n",
       problem.facts().title, count_used(problem), problem.facts().groups.size(), base.error);
   for (size_t c = 0; c < problem.facts().channels.size(); ++c) {
+    if (base.held.native_count[c] == 0) continue;
     text += fmt::format("  {:14s} {:.5g} rms, noise {:.5g}{}\n", problem.facts().channels[c].name,
                         base.held.native[c], problem.facts().channels[c].noise,
                         problem.facts().channels[c].estimated ? " (estimated)" : "");

@@ -26,8 +26,7 @@ void add_noise(ordered_json& json, const Problem& problem) {
     noise[channel.name] = finite_or_null<ordered_json>(channel.noise);
     estimated = estimated || channel.estimated;
   }
-  json["noise"] = noise;
-  json["noise_estimated"] = estimated;
+  json.update({{"noise", noise}, {"noise_estimated", estimated}});
 }
 
 // Rows that a person left out, by reason.
@@ -50,8 +49,9 @@ void add_notes(ordered_json& json, const Problem& problem, const Model& model) {
 
 ordered_json native_json(const Problem& problem, const Score& score) {
   ordered_json native = ordered_json::object();
-  for (size_t c = 0; c < problem.facts().channels.size(); ++c)
-    native[problem.facts().channels[c].name] = finite_or_null<ordered_json>(score.native[c]);
+  for (size_t c = 0; c < score.native.size(); ++c)
+    if (score.native_count[c] > 0)
+      native[problem.facts().channels[c].name] = finite_or_null<ordered_json>(score.native[c]);
   return native;
 }
 

@@ -40,12 +40,16 @@ class RosImport {
   bool walk();
   bool camera();
   bool poses();
+  // Rows of one joint, in order of time; `effort_nm` empty: nobody measured torques.
+  struct JointRows {
+    std::vector<int64_t> times;
+    std::vector<double> command, angle, effort_nm;
+  };
   void joint_rows(const std::string& name, const std::vector<JointSampleRow>& measured,
-                  size_t place, const std::vector<JointSampleRow>& commands,
+                  size_t place, const std::vector<JointSampleRow>& commands, bool with_efforts,
                   measurement::CsvWriter& table, size_t& rows);
-  void add_joint(const std::string& name, const std::vector<int64_t>& times,
-                 std::vector<double>& command, std::vector<double>& angle,
-                 measurement::CsvWriter& table, size_t& rows);
+  void add_joint(const std::string& name, JointRows& of, measurement::CsvWriter& table,
+                 size_t& rows);
   size_t controller_rows(size_t topic, std::set<std::string>& taken, measurement::CsvWriter& table);
 
   const ImportRequest& request_;
@@ -82,45 +86,56 @@ bool contains(const std::string& text, const char* part) {
 }
 
 // Where a joint stands in a message; by the name, or by its place where the message has none.
-std::optional<double> position_of(const JointSampleRow& row, const std::string& name,
-                                  size_t place) {
+std::optional<size_t> place_of(const JointSampleRow& row, const std::string& name, size_t place) {
   const std::optional<size_t> at = row.names ? row.names->find(name) : std::optional(place);
-  return at && *at < row.positions.size() ? std::optional(row.positions[*at]) : std::nullopt;
+  return at && *at < row.positions.size() ? at : std::nullopt;
+}
+
+// What is NaN, or 0 in all messages, is a habit of drivers that measure no torque.
+bool are_measured(const std::vector<JointSampleRow>& rows) {
+  return std::any_of(rows.begin(), rows.end(), [](const JointSampleRow& row) {
+    return std::any_of(row.efforts.begin(), row.efforts.end(),
+                       [](double effort) { return std::isfinite(effort) && effort != 0; });
+  });
 }
 
 void RosImport::joint_rows(const std::string& name, const std::vector<JointSampleRow>& measured,
                            size_t place, const std::vector<JointSampleRow>& commands,
-                           measurement::CsvWriter& table, size_t& rows) {
-  std::vector<int64_t> times;
-  std::vector<double> command, angle;
+                           bool with_efforts, measurement::CsvWriter& table, size_t& rows) {
+  JointRows of;
   size_t next = 0;
   std::optional<double> now;
   for (const JointSampleRow& row : measured) {
     for (; next < commands.size() && commands[next].log_ns <= row.log_ns; ++next) {
-      const auto value = position_of(commands[next], name, place);
-      if (value) now = value;
+      if (const auto at = place_of(commands[next], name, place))
+        now = commands[next].positions[*at];
     }
-    const auto value = position_of(row, name, place);
-    if (!now || !value || (!times.empty() && row.log_ns == times.back())) continue;
-    times.push_back(row.log_ns);
-    command.push_back(*now), angle.push_back(*value);
+    const auto at = place_of(row, name, place);
+    if (!now || !at || (!of.times.empty() && row.log_ns == of.times.back())) continue;
+    of.times.push_back(row.log_ns);
+    of.command.push_back(*now), of.angle.push_back(row.positions[*at]);
+    if (with_efforts) of.effort_nm.push_back(row.efforts.empty() ? NAN : row.efforts[*at]);
   }
-  add_joint(name, times, command, angle, table, rows);
+  add_joint(name, of, table, rows);
 }
 
-void RosImport::add_joint(const std::string& name, const std::vector<int64_t>& times,
-                          std::vector<double>& command, std::vector<double>& angle,
-                          measurement::CsvWriter& table, size_t& rows) {
-  if (times.size() < 3) return;
+void RosImport::add_joint(const std::string& name, JointRows& of, measurement::CsvWriter& table,
+                          size_t& rows) {
+  if (of.times.size() < 3) return;
   const RowPlace where = [&](size_t i) {
-    return fmt::format("joint {} at {} s", name, seconds_text(times[i]));
+    return fmt::format("joint {} at {} s", name, seconds_text(of.times[i]));
   };
-  check_times(times, where, request_, 2, draft_);
-  to_radians(command, "command", where, request_, draft_);
-  to_radians(angle, "position", where, request_, draft_);
-  reversal_.apply(name, command, angle);
-  for (size_t i = 0; i < times.size(); ++i, ++rows)
-    table.row({"0", seconds_text(times[i]), name, exact(command[i]), exact(angle[i])});
+  check_times(of.times, where, request_, 2, draft_);
+  to_radians(of.command, "command", where, request_, draft_);
+  to_radians(of.angle, "position", where, request_, draft_);
+  reversal_.apply(name, of.command, of.angle);
+  for (size_t i = 0; i < of.times.size(); ++i, ++rows) {
+    std::vector<std::string> cells = {"0", seconds_text(of.times[i]), name, exact(of.command[i]),
+                                      exact(of.angle[i])};
+    if (!of.effort_nm.empty())
+      cells.push_back(std::isfinite(of.effort_nm[i]) ? exact(of.effort_nm[i]) : "");
+    table.row(cells);
+  }
 }
 
 bool RosImport::joints() {
@@ -135,13 +150,16 @@ bool RosImport::joints() {
   });
   if (!command) return false;
   const auto& seen = data_.joints[*measured];
-  measurement::CsvWriter table({"run", "time_s", "joint", "command_rad", "measured_rad"});
+  std::vector<std::string> columns = {"run", "time_s", "joint", "command_rad", "measured_rad"};
+  const bool with_efforts = are_measured(seen);
+  if (with_efforts) columns.emplace_back("effort_nm");
+  measurement::CsvWriter table(columns);
   size_t rows = 0;
   // Without names of its own a state has none.
   const std::vector<std::string> names =
       seen.front().names ? seen.front().names->list : std::vector<std::string>();
   for (size_t i = 0; i < names.size(); ++i)
-    joint_rows(names[i], seen, i, data_.joints[*command], table, rows);
+    joint_rows(names[i], seen, i, data_.joints[*command], with_efforts, table, rows);
   if (rows == 0)
     throw InputError(fmt::format("{} and {} have no joint in common while both were recorded",
                                  data_.topics[*measured].name, data_.topics[*command].name));
@@ -152,6 +170,7 @@ bool RosImport::joints() {
   draft_.add_table("joints", table);
   draft_.did(fmt::format("{} rows: angles of {} under commands of {}, by the times of recording",
                          rows, data_.topics[*measured].name, data_.topics[*command].name));
+  if (with_efforts) draft_.did("effort_nm: the efforts of these messages, as torques in N m");
   draft_.could_not_know("how long messages were on their way: a command acts from the next row on");
   if (names.size() > 1 && !data_.joints[*command].front().names)
     draft_.could_not_know(fmt::format(
@@ -166,15 +185,11 @@ size_t RosImport::controller_rows(size_t topic, std::set<std::string>& taken,
   auto& [state, samples, without] = data_.controllers.at(topic);
   std::stable_sort(samples.begin(), samples.end(),
                    [](const auto& a, const auto& b) { return a.ns < b.ns; });
-  struct Rows {
-    std::vector<int64_t> times;
-    std::vector<double> command, angle;
-  };
-  std::map<std::string, Rows> joints;
+  std::map<std::string, JointRows> joints;
   size_t no_numbers = 0, rows = 0;
   for (const ControllerState::Sample& sample : samples) {
     for (size_t i = 0; i < sample.command.size(); ++i) {
-      Rows& of = joints[sample.names->list[i]];
+      JointRows& of = joints[sample.names->list[i]];
       const bool good = std::isfinite(sample.command[i]) && std::isfinite(sample.measured[i]);
       no_numbers += good ? 0 : 1;
       if (!good || (!of.times.empty() && of.times.back() == sample.ns)) continue;
@@ -188,7 +203,7 @@ size_t RosImport::controller_rows(size_t topic, std::set<std::string>& taken,
     if (taken.contains(joint)) {
       draft_.warn(fmt::format("{} holds joint {} again: left out", name, joint));
     } else {
-      add_joint(joint, of.times, of.command, of.angle, table, rows);
+      add_joint(joint, of, table, rows);
     }
     if (rows > before) taken.insert(joint);
   }

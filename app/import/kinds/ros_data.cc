@@ -73,7 +73,7 @@ class BagReader {
       row.names = share_names(last, std::move(names));
       if (last != before) kept_.take(150 * row.names->list.size());
     }
-    kept_.take(sizeof(row) + 8 * row.positions.size());
+    kept_.take(sizeof(row) + 8 * (row.positions.size() + row.efforts.size()));
     data_.joints[topic].push_back(std::move(row));
   }
 
@@ -81,8 +81,13 @@ class BagReader {
     const auto header = message.header();
     auto names = message.texts();
     auto positions = message.reals();
-    add_joints(topic, {log_ns, stamp_or_log(header, log_ns), nullptr, std::move(positions)},
-               std::move(names));
+    message.reals();  // Velocities.
+    auto efforts = message.reals();
+    if (efforts.size() != positions.size()) efforts.clear();
+    add_joints(
+        topic,
+        {log_ns, stamp_or_log(header, log_ns), nullptr, std::move(positions), std::move(efforts)},
+        std::move(names));
   }
   void joint_trajectory(size_t topic, int64_t log_ns, RosMessage& message) {
     message.header();

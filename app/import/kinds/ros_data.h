@@ -19,6 +19,7 @@ struct JointSampleRow {
   int64_t log_ns = 0, stamp_ns = 0;
   SharedNames names;  // None of a message without names.
   std::vector<double> positions;
+  std::vector<double> efforts = {};  // Often none, or not finite.
 };
 
 // All that is understood of a bag, by the place of its topic.

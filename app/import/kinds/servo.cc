@@ -18,6 +18,7 @@ namespace {
 
 using Names = std::vector<std::string>;
 constexpr const char* kEnabled = "torque_enable";
+constexpr const char* kEffort = "effort_nm";
 
 class ServoImport {
  public:
@@ -34,7 +35,8 @@ class ServoImport {
                 const std::vector<size_t>& rows, size_t time);
   void look_at(const std::vector<double>& command, const std::vector<double>& measured,
                const RowPlace& place);
-  std::string cell(const SignalLog& log, const std::string& column, size_t row, bool off) const;
+  std::string cell(const SignalLog& log, const JointColumns& joint, const std::string& column,
+                   size_t row, bool off) const;
   void write();
 
   ImportRequest request_;
@@ -66,8 +68,12 @@ void ServoImport::look_at(const std::vector<double>& command, const std::vector<
                     place(0)));
 }
 
-std::string ServoImport::cell(const SignalLog& log, const std::string& column, size_t row,
-                              bool off) const {
+std::string ServoImport::cell(const SignalLog& log, const JointColumns& joint,
+                              const std::string& column, size_t row, bool off) const {
+  if (column == kEffort) {
+    const double effort = joint.effort ? log.values[*joint.effort][row] : NAN;
+    return std::isfinite(effort) ? exact(effort) : "";
+  }
   if (off && column == kEnabled) return "0";
   if (column == kEnabled && called_.at(column).empty()) return "1";
   const int at = log.find(called_.at(column));
@@ -132,7 +138,8 @@ void ServoImport::add_rows(const SignalLog& log, const std::string& run, const J
                                       exact(measured[i])};
     const bool is_off = off[kept[i]] != 0;
     off_ += is_off ? 1 : 0;
-    for (const std::string& column : extra_) cells.push_back(cell(log, column, kept[i], is_off));
+    for (const std::string& column : extra_)
+      cells.push_back(cell(log, joint, column, kept[i], is_off));
     rows_.push_back(std::move(cells));
   }
   stale_ = std::max(stale_, longest);
@@ -256,8 +263,13 @@ void ServoImport::run() {
     taken.insert(names.begin(), names.end());
   for (const auto& [quantity, name] : request_.names) taken.insert(name);
   for (const SignalLog& log : logs_) {
-    for (const JointColumns& joint : servo_joints(request_, log))
+    for (const JointColumns& joint : servo_joints(request_, log)) {
       taken.insert({log.names[joint.command], log.names[joint.measured]});
+      if (!joint.effort) continue;
+      taken.insert(log.names[*joint.effort]);
+      if (called_.try_emplace(kEffort, Names{log.names[*joint.effort]}).second)
+        extra_.emplace_back(kEffort);
+    }
     taken.insert(log.names[time_in(log)]);
   }
   for (const SignalLog& log : logs_) {

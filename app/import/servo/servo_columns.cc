@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <set>
 
 #include "sim_core/base/error.h"
@@ -178,6 +179,9 @@ const ServoNames& servo_names() {
                    "actual_angle",
                    "measured_angle",
                    "observation.state"},
+      .efforts = {"effort_nm", "effort", "torque_nm", "measured_torque", "torque_measured",
+                  "actual_torque", "torque_actual", "present_torque", "measured_effort",
+                  "joint_torque", "motor_torque"},
       .voltages = {"voltage_v", "input_volts", "voltage", "present_voltage", "vin"},
       .gains = {"kp", "p_gain", "gain"},
       .enabled = {"torque_enable", "torque_enabled", "enabled", "enable"}};
@@ -227,7 +231,34 @@ std::vector<char> servo_off_rows(const ImportRequest& request, const SignalLog& 
   return off;
 }
 
-std::vector<JointColumns> servo_joints(const ImportRequest& request, const SignalLog& log) {
+namespace {
+
+void add_efforts(const ImportRequest& request, const SignalLog& log,
+                 std::vector<JointColumns>& joints) {
+  static const Names kEnds = {"_effort", "_effort_nm", "_torque", "_torque_nm", ".effort"};
+  const std::string mapped = request.name_of("effort");
+  const Names usual = mapped.empty() ? servo_names().efforts : Names{mapped};
+  for (size_t i = 0; i < joints.size(); ++i) {
+    int at = joints.size() == 1 ? log.find(usual) : -1;
+    for (const std::string& list : usual) {
+      if (at < 0 && items_in(log, list) == joints.size()) at = item_in(log, list, i);
+    }
+    for (const std::string& end : kEnds) {
+      if (at < 0 && mapped.empty()) at = log.find({joints[i].joint + end});
+    }
+    if (at >= 0) joints[i].effort = static_cast<size_t>(at);
+  }
+  const bool found = std::any_of(joints.begin(), joints.end(), [](const JointColumns& joint) {
+    return joint.effort.has_value();
+  });
+  if (!mapped.empty() && !found)
+    throw InputError(
+        fmt::format("{}: signal '{}' (--map effort=...) is missing{}, or has not one "
+                    "number for each of {} joints",
+                    log.file, mapped, suggestion_for(mapped, log.names), joints.size()));
+}
+
+std::vector<JointColumns> angles_of_joints(const ImportRequest& request, const SignalLog& log) {
   const bool mapped = !request.name_of("command").empty() || !request.name_of("measured").empty();
   if (!mapped && log.find(servo_names().commands) < 0) {
     auto joints = suffixed_joints(log);
@@ -240,6 +271,14 @@ std::vector<JointColumns> servo_joints(const ImportRequest& request, const Signa
   return {{column || named.empty() ? "joint" : named,
            servo_signal(request, log, "command", servo_names().commands),
            servo_signal(request, log, "measured", servo_names().measured)}};
+}
+
+}  // namespace
+
+std::vector<JointColumns> servo_joints(const ImportRequest& request, const SignalLog& log) {
+  std::vector<JointColumns> joints = angles_of_joints(request, log);
+  add_efforts(request, log, joints);
+  return joints;
 }
 
 }  // namespace seam::app

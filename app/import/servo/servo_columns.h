@@ -1,6 +1,7 @@
 // Which columns of a servo's log are what: by what the user says, or by habit.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,7 @@ namespace seam::app {
 
 // What people call a quantity, the usual names first.
 struct ServoNames {
-  std::vector<std::string> times, commands, measured, voltages, gains, enabled;
+  std::vector<std::string> times, commands, measured, efforts, voltages, gains, enabled;
 };
 const ServoNames& servo_names();
 
@@ -19,6 +20,7 @@ const ServoNames& servo_names();
 struct JointColumns {
   std::string joint;
   size_t command = 0, measured = 0;
+  std::optional<size_t> effort = {};  // The torque of its motor.
 };
 
 // The place of a quantity among the signals; throws InputError where neither the map nor habit

@@ -120,8 +120,7 @@ Forces forces_of(const TorqueModel& m, double drive, double load) {
 }
 
 Forces forces_of(const TorqueModel& m, const MotorInput& in, const MotorState& s, double load) {
-  const double drive = std::clamp(free_drive(m, in, s), -m.limit_rad_per_s2, m.limit_rad_per_s2);
-  return forces_of(m, drive, load);
+  return forces_of(m, drive_of(m, in, s), load);
 }
 
 // By how much the forces exceed what friction holds at rest.
@@ -370,6 +369,11 @@ double drive_at_rest(const TorqueModel& motor, const MotorInput& input, const Mo
   if (!input.enabled) return 0;
   const double duty = std::clamp(wanted_duty(motor, input, state), -motor.max_duty, motor.max_duty);
   return motor.stall_rad_per_s2 * input.voltage * duty;
+}
+
+double drive_of(const TorqueModel& motor, const MotorInput& input, const MotorState& state) {
+  return std::clamp(free_drive(motor, input, state), -motor.limit_rad_per_s2,
+                    motor.limit_rad_per_s2);
 }
 
 bool has_dry_friction(const TorqueModel& motor) {

@@ -89,6 +89,9 @@ class HangingLoad {
 // What the motor gives at rest for the controller's duty, before its limits; 0 where it is off.
 double drive_at_rest(const TorqueModel& motor, const MotorInput& input, const MotorState& state);
 
+// What the motor gives now, back-EMF and limits included.
+double drive_of(const TorqueModel& motor, const MotorInput& input, const MotorState& state);
+
 // Angular acceleration now, under this load. A joint slower than `rest_radps` counts as at rest:
 // dry friction holds it as long as it can.
 double motor_acceleration(const TorqueModel& motor, const MotorInput& input,

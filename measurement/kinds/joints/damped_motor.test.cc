@@ -1,5 +1,5 @@
 // Drag before and behind a saturation: what moves alike, and that fits end with the fewer effects.
-#include "measurement/kinds/joints/damped_motor.h"
+#include "measurement/kinds/joints/torque/damped_motor.h"
 
 #include <gtest/gtest.h>
 

@@ -206,7 +206,7 @@ JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column
   const auto kp = read_kp(table), voltage = read_voltage(table), warmth = read_warmth(table);
   JointLogs set;
   set.column_names = table.extra_numeric_columns(
-      {"run", "time_s", "joint", "command_rad", "measured_rad", group_column});
+      {"run", "time_s", "joint", "command_rad", "measured_rad", "effort_nm", group_column});
   std::vector<std::vector<double>> columns;
   for (const std::string& name : set.column_names) columns.push_back(table.numbers(name));
   std::unordered_map<std::string, size_t> place;  // Only looked up.
@@ -246,7 +246,8 @@ JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column
 
 std::vector<double> predict_joint_log(
     const Model& model, const JointLogs& set, const JointLog& log, double start_rad,
-    double start_radps, const std::function<void(size_t, const effects::Servo&)>& at_row) {
+    double start_radps, const std::function<void(size_t, const effects::Servo&)>& at_row,
+    std::vector<double>* drives) {
   const effects::ServoModel servo = effects::servo_of(model);
   FormulaColumns columns(log);
   effects::JointSample sample{
@@ -276,9 +277,11 @@ std::vector<double> predict_joint_log(
   if (start_radps != 0 && servo.torque.present)
     joint.begin_moving(start_radps, log.command_rad[0], log.enabled[0] != 0, log.kp[0]);
   std::vector<double> angles(log.time_s.size());
+  if (drives != nullptr) drives->resize(angles.size());
   double before = start;
   for (size_t k = 0; k < angles.size(); ++k) {
     joint.advance_to(log.time_s[k]);
+    if (drives != nullptr) (*drives)[k] = joint.drive_rad_per_s2();
     const double q = joint.joint_rad();
     const double rate = k == 0 ? 0 : (q - before) / (log.time_s[k] - log.time_s[k - 1]);
     angles[k] = shown(q, rate, joint.acting_command_rad(), k);

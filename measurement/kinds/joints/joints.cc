@@ -10,6 +10,7 @@
 #include "effects/stages/noise.h"
 #include "effects/stages/servo.h"
 #include "measurement/kinds/joints/stiffness.h"
+#include "measurement/kinds/joints/torque/effort.h"
 #include "measurement/kinds/series_facts.h"
 #include "measurement/noise/hidden_errors.h"
 #include "measurement/numerics/linear_algebra.h"
@@ -47,6 +48,7 @@ JointsProblem::JointsProblem(const MeasurementSet& set) {
   predictions_.emplace(set_.logs.size());
   describe(set, table);
   facts_.notes = notes_of_joint_logs(table);
+  add_efforts(table, set);
   const double noise_rad = facts_.channels[0].noise;
   for (std::string note :
        {note_of_stiffness(table, set_, noise_rad), note_of_unlike_joints(table, set_, noise_rad)}) {
@@ -55,6 +57,7 @@ JointsProblem::JointsProblem(const MeasurementSet& set) {
   add_covariates();
   look_for_steps();
   facts_.set.lacks = lacks();
+  for (effects::Lack& lack : lacks_of_torques(nullptr)) facts_.set.lacks.push_back(std::move(lack));
 }
 
 void JointsProblem::describe(const MeasurementSet& set, const CsvTable& table) {
@@ -146,30 +149,36 @@ void JointsProblem::evaluate_logs(const Model& model, const Groups& groups, doub
     if (groups[facts_.group_of_row[set_.logs[i].rows[0]]]) used.push_back(i);
   }
   evaluation.nuisance_values.resize(kStartValues * used.size());
+  std::vector<double> drive_of_row(has_efforts() ? facts_.rows() : 0, 0);
   // Rules without torque take less than a thread does.
   parallel_for(
       used.size(),
       [&](size_t at) {
         const JointLog& log = set_.logs[used[at]];
         const size_t place = kStartValues * at;
-        const auto show = [&](const LogStart& start, const std::vector<double>& angles) {
+        const auto show = [&](const LogStart& start, const std::vector<double>& angles,
+                              const std::vector<double>& drives) {
           for (size_t k = 0; k < angles.size(); ++k)
             evaluation.residual[log.rows[k]] = log.measured_rad[k] - angles[k];
+          for (size_t k = 0; k < drives.size(); ++k) drive_of_row[log.rows[k]] = drives[k];
           evaluation.nuisance_values[place] = start.offset_rad;
           evaluation.nuisance_values[place + 1] = start.offset_radps;
           evaluation.nuisance_values[place + 2] = start.log_det;
         };
         if (starts != nullptr) {
           const LogStart start{starts->at(place), starts->at(place + 1), starts->at(place + 2)};
-          return show(start, predict_from(model, log, start));
+          std::vector<double> drives;
+          const std::vector<double> angles = predict_from(model, log, start, &drives);
+          return show(start, angles, drives);
         }
         const auto known =
             predictions_->of(used[at], key, [&] { return fit_start(model, log, sigma_rad); });
-        show(known->start, known->angles);
+        show(known->start, known->angles, known->drives);
       },
       /*worth_threads=*/motor);
   for (const size_t i : used) evaluation.nuisances += unknowns_of_start(model, set_.logs[i]);
   if (motor) evaluation.reusable = std::make_shared<char>();
+  if (has_efforts()) predict_efforts(model, groups, drive_of_row, evaluation);
 }
 
 Evaluation JointsProblem::evaluate(const Model& model, const Groups& groups,
@@ -178,7 +187,7 @@ Evaluation JointsProblem::evaluate(const Model& model, const Groups& groups,
   const size_t n = facts_.scalars();
   evaluation.residual.assign(n, 0);
   const auto [sigma, rounded] = reading_of(model);
-  evaluation.sigma.assign(n, sigma);
+  set_sigma(sigma, evaluation);
   evaluation.mean_key = mean_parameters(model);
   evaluation.mean_key.push_back(sigma);
   // Where only a spread changed, residuals and starts stay.
@@ -193,7 +202,7 @@ Evaluation JointsProblem::evaluate(const Model& model, const Groups& groups,
   whiten_diagonal(*this, groups, evaluation);
   if (rounded) {
     const RoundedAngle& likeliest = likeliest_rounding(evaluation);
-    evaluation.sigma.assign(n, likeliest.sigma_rad());
+    set_sigma(likeliest.sigma_rad(), evaluation);
     whiten_diagonal(*this, groups, evaluation);
     whiten_rounded(likeliest, evaluation);
   } else {
@@ -332,35 +341,34 @@ std::vector<char> JointsProblem::find_outliers(const Model& model) const {
   constexpr size_t kMemory = 4;      // Rows for which a change of command counts as recent.
   constexpr double kOftenIs = 0.05;  // A larger share of like rows is no accident.
   const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
-  // By row (one scalar a row): the recent range of the command, and the distance to neighbours.
-  std::vector<double> range(facts_.rows(), 0), distance(facts_.rows(), 0);
+  // By row: the recent range of the command.
+  std::vector<double> range(facts_.rows(), 0);
   for (const JointLog& log : set_.logs) {
     for (size_t k = 0; k < log.rows.size(); ++k) {
-      const size_t row = log.rows[k];
       const size_t from = k > kMemory ? k - kMemory : 0;
       const auto [low, high] =
           std::minmax_element(log.command_rad.begin() + static_cast<std::ptrdiff_t>(from),
                               log.command_rad.begin() + static_cast<std::ptrdiff_t>(k) + 1);
       // The joint's own way from its start counts as a change of command.
       const double start = k <= kMemory ? std::abs(log.command_rad[0] - log.measured_rad[0]) : 0;
-      range[row] = std::max(*high - *low, start);
-      std::vector<double> around;
-      for (const int other : neighbours(row, kNearRows))
-        around.push_back(evaluation.residual[other]);
-      distance[row] =
-          std::abs(evaluation.residual[row] - (around.size() < 3 ? 0 : median_of(around)));
+      range[log.rows[k]] = std::max(*high - *low, start);
     }
   }
+  const std::vector<double> distance = out_of_neighbours(evaluation);
   std::vector<char> kept = outlier;
-  for (size_t row = 0; row < outlier.size(); ++row) {
-    if (!outlier[row] || distance[row] > 1.2 * range[row]) continue;
+  for (size_t i = 0; i < outlier.size(); ++i) {
+    const auto changed = [&](size_t scalar) { return range[facts_.row_of[scalar]]; };
+    const bool torque = facts_.channel_of[i] != 0;
+    // No change of command moves an angle farther than it goes itself; a torque has no such bound.
+    const double least = torque ? 0.5 * changed(i) : distance[i];
+    if (!outlier[i] || !(changed(i) > 0) || (!torque && distance[i] > 1.2 * changed(i))) continue;
     size_t like = 0, deviating = 0;
     for (size_t other = 0; other < outlier.size(); ++other) {
-      if (range[other] < distance[row]) continue;
+      if (facts_.channel_of[other] != facts_.channel_of[i] || changed(other) < least) continue;
       ++like;
-      deviating += outlier[other] && distance[other] > 0.3 * distance[row];
+      deviating += outlier[other] && distance[other] > 0.3 * distance[i];
     }
-    if (static_cast<double>(deviating) > kOftenIs * static_cast<double>(like)) kept[row] = 0;
+    if (static_cast<double>(deviating) > kOftenIs * static_cast<double>(like)) kept[i] = 0;
   }
   return kept;
 }

@@ -69,10 +69,12 @@ std::optional<Model> trade_that_helps(const Model& model, const std::vector<Unkn
 
 // What the model says the log shows at each row, for a joint whose log shows `start_rad` at rest
 // until the first command acts. A motor that begins in motion is under its first command already.
-// `at_row` sees the joint at each row, about to go on.
+// `at_row` sees the joint at each row, about to go on; `drives` takes what its motor gives there,
+// in acceleration of the joint, before the row's command acts.
 std::vector<double> predict_joint_log(
     const Model& model, const JointLogs& set, const JointLog& log, double start_rad,
-    double start_radps = 0, const std::function<void(size_t, const effects::Servo&)>& at_row = {});
+    double start_radps = 0, const std::function<void(size_t, const effects::Servo&)>& at_row = {},
+    std::vector<double>* drives = nullptr);
 
 // Of a parabola through the values around one, without that itself: its noise is not in what
 // residuals are held against.
@@ -121,6 +123,13 @@ class JointsProblem : public Problem {
       std::vector<std::vector<double>> columns) const override;
   // A fall, a drive, and a duty that may saturate.
   std::vector<Groups> regimes() const override;
+  // The inertia that measured torques say, where the model states none.
+  std::vector<Finding> findings(const Model& model) const override;
+  std::vector<std::string> remarks(const Model& model) const override;
+
+ protected:
+  // Torques take part where the given model has some.
+  void place(const Model& given) override;
 
  private:
   // By a few rows of these groups first, where they have many.
@@ -137,6 +146,7 @@ class JointsProblem : public Problem {
   std::vector<std::vector<double>> swing_seen(const Model& model, const EffectDefinition& effect,
                                               const Groups& groups) const;
   std::vector<effects::Lack> lacks() const;
+  std::vector<effects::Lack> lacks_of_torques(const Model* given) const;
   void describe(const MeasurementSet& set, const CsvTable& table);
   void add_covariates();
   // A log's true start less what was measured of it.
@@ -147,12 +157,12 @@ class JointsProblem : public Problem {
     double log_det = 0;
   };
   static constexpr size_t kStartValues = 3;  // In nuisance_values, by log, in this order.
-  std::vector<double> predict_from(const Model& model, const JointLog& log,
-                                   const LogStart& start) const;
-  // A log's best start under a model, and the angles predicted from there.
+  std::vector<double> predict_from(const Model& model, const JointLog& log, const LogStart& start,
+                                   std::vector<double>* drives = nullptr) const;
+  // A log's best start under a model, and the angles and drives predicted from there.
   struct Prediction {
     LogStart start;
-    std::vector<double> angles;
+    std::vector<double> angles, drives;
   };
   int64_t unknowns_of_start(const Model& model, const JointLog& log) const;
   // Derivatives of the log's angles by the unknowns of its start.
@@ -201,6 +211,15 @@ class JointsProblem : public Problem {
                                                   const Groups& groups,
                                                   const Evaluation& here) const;
 
+  void add_efforts(const CsvTable& table, const MeasurementSet& set);
+  bool has_efforts() const { return !efforts_nm_.empty(); }
+  // Of angles; torques have their own.
+  void set_sigma(double sigma_rad, Evaluation& evaluation) const;
+  // Adds those of torques; the inertia that they say stands last in the nuisances.
+  void predict_efforts(const Model& model, const Groups& groups, const std::vector<double>& drives,
+                       Evaluation& evaluation) const;
+  // By row: a channel's residuals, which of the neighbours stand out of, and how far.
+  std::vector<double> out_of_neighbours(const Evaluation& evaluation) const;
   void whiten_wander(const effects::Noise& noise, const Groups& groups,
                      Evaluation& evaluation) const;
 
@@ -215,7 +234,7 @@ class JointsProblem : public Problem {
   Reading reading_of(const Model& model) const;
   // Noise behind the steps that no set states is the likeliest of these.
   const RoundedAngle& likeliest_rounding(const Evaluation& seen) const;
-  static void whiten_rounded(const RoundedAngle& rounded, Evaluation& evaluation);
+  void whiten_rounded(const RoundedAngle& rounded, Evaluation& evaluation) const;
   // The density of a normal error narrower than a step gives its likeliest reading a chance above
   // 1, and a joint at rest shows that reading again and again: its chance is 1 instead.
   void bound_chances(Evaluation& evaluation) const;
@@ -224,6 +243,9 @@ class JointsProblem : public Problem {
                                 const Evaluation& there) const;
 
   JointLogs set_;
+  std::vector<double> efforts_nm_;  // By row, NaN where blank; empty: none are measured.
+  // Scalars of angles are numbered as the rows, those of torques follow. By row, -1: none.
+  std::vector<int> effort_scalar_;
   // By log. A fit of a spread, a score after a fit and a structure test ask for the same.
   std::optional<Memo<Prediction>> predictions_;
   double lattice_rad_ = 0;       // All measured angles are multiples of this; 0: of nothing coarse.

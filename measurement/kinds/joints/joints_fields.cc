@@ -118,7 +118,7 @@ std::vector<FieldPlace> JointsProblem::field_places(const Model& model,
     FieldPlace& place = places[log.joint];
     if (place.slopes.empty()) {
       // Rows of other joints, on which it does not act, count with a value within its range.
-      place.slopes = {Values(rows, 0)};
+      place.slopes = {Values(facts_.scalars(), 0)};
       place.covariates = {{.name = log.joint, .values = Values(rows, predicted_rad[0])},
                           {.name = log.joint + "_rate", .values = Values(rows, 0)}};
     }
@@ -153,7 +153,7 @@ std::vector<std::vector<double>> JointsProblem::following(
   for (std::vector<double>& column : columns) {
     made.residual = std::move(column);
     for (size_t i = 0; i < made.residual.size(); ++i) made.residual[i] *= here.sigma[i];
-    made.sigma.assign(facts_.scalars(), sigma);
+    set_sigma(sigma, made);
     whiten_diagonal(*this, groups, made);
     whiten_wander(noise, groups, made);
     column = std::move(made.whitened);

@@ -3,10 +3,45 @@
 #include <numeric>
 
 #include "measurement/kinds/joints/joints.h"
+#include "measurement/kinds/joints/torque/effort.h"
 #include "measurement/noise/draw.h"
 #include "sim_core/base/random.h"
 
 namespace seam::measurement {
+namespace {
+
+// Torques of the drives, by row: where the model says what they are, and the protocol asks for them
+// by a column, or by their noise.
+class MadeEfforts {
+ public:
+  MadeEfforts(const Model& truth, const MeasurementSet& protocol, const CsvTable& table)
+      : effort_(effects::servo_of(truth).effort),
+        sigma_nm_(protocol.noise_of(kEffort)),
+        asked_(table.has(kEffort) || sigma_nm_ > 0),
+        predicted_(predicts_efforts(truth) && states_inertia(truth)),
+        blank_(left_blank(table, kEffort, {kEffort})),
+        values_(table.rows(), NAN) {}
+
+  void add(const JointLog& log, const std::vector<double>& drives, const RandomStream* noise) {
+    for (size_t k = 0; predicted_ && k < log.rows.size(); ++k) {
+      const size_t row = log.rows[k];
+      if (blank_[row]) continue;
+      values_[row] = effort_.of_torque(effort_.inertia_kg_m2 * drives[k]);
+      if (noise != nullptr) values_[row] += sigma_nm_ * normal(*noise, row);
+    }
+  }
+  bool asked() const { return asked_; }
+  const std::vector<double>& values() const { return values_; }
+
+ private:
+  effects::EffortReading effort_;
+  double sigma_nm_;
+  bool asked_, predicted_;
+  std::vector<char> blank_;
+  std::vector<double> values_;
+};
+
+}  // namespace
 
 void measure_joints(const Model& truth, const MeasurementSet& protocol,
                     const MeasureOptions& options) {
@@ -17,9 +52,12 @@ void measure_joints(const Model& truth, const MeasurementSet& protocol,
   const double step = track.quantisation_step_rad, sigma = protocol.noise_of("measured_rad");
   const RandomStream random = RandomStream{options.seed, 0}.child("joints");
   const std::vector<effects::Wander> wanders = effects::noise_of(truth).joint;
-  std::vector<double> measured(table.rows(), 0);
+  const RandomStream of_efforts = random.child("effort");
+  MadeEfforts efforts(truth, protocol, table);
+  std::vector<double> measured(table.rows(), 0), drives;
   for (const JointLog& log : set.logs) {
-    const auto angles = predict_joint_log(truth, set, log, log.command_rad.front());
+    const auto angles = predict_joint_log(truth, set, log, log.command_rad.front(), 0, {}, &drives);
+    efforts.add(log, drives, options.noise ? &of_efforts : nullptr);
     std::vector<double> wander(options.noise ? angles.size() : 0, 0);
     std::vector<size_t> order(wander.size());
     std::iota(order.begin(), order.end(), 0);
@@ -34,8 +72,10 @@ void measure_joints(const Model& truth, const MeasurementSet& protocol,
     }
   }
   copy_protocol(protocol, options.out, {"joints"});
-  write_table_with(table, {"measured_rad"}, {measured},
-                   written_path(options.out, protocol.files.at("joints")));
+  std::vector<std::string> names = {"measured_rad"};
+  std::vector<std::vector<double>> made = {measured};
+  if (efforts.asked()) names.emplace_back(kEffort), made.push_back(efforts.values());
+  write_table_with(table, names, made, written_path(options.out, protocol.files.at("joints")));
 }
 
 }  // namespace seam::measurement

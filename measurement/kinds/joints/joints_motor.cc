@@ -12,6 +12,7 @@
 #include "measurement/kinds/joints/joints.h"
 #include "measurement/kinds/joints/motion_look.h"
 #include "measurement/kinds/joints/short_runs.h"
+#include "measurement/kinds/joints/torque/effort.h"
 #include "measurement/numerics/parallel_for.h"
 
 namespace seam::measurement {
@@ -360,7 +361,8 @@ Model JointsProblem::near_start(const Model& start, const std::vector<Unknown>& 
   const auto cost_of = [&](const Model& model) { return misfit_under(*this, model, groups); };
   std::vector<Unknown> means;
   for (const Unknown& unknown : unknowns) {
-    if (!start.find(unknown.effect)->definition->spread_only) means.push_back(unknown);
+    const EffectDefinition& effect = *start.find(unknown.effect)->definition;
+    if (!effect.spread_only && !is_of_efforts(effect)) means.push_back(unknown);
   }
   Model best = start;
   double least = cost_of(start);

@@ -7,10 +7,10 @@
 
 #include "effects/questions.h"
 #include "measurement/fitting/parameter_space.h"
-#include "measurement/kinds/joints/damped_motor.h"
 #include "measurement/kinds/joints/joints.h"
 #include "measurement/kinds/joints/motion_look.h"
 #include "measurement/kinds/joints/short_runs.h"
+#include "measurement/kinds/joints/torque/damped_motor.h"
 #include "measurement/numerics/linear_algebra.h"
 
 namespace seam::measurement {

@@ -55,10 +55,14 @@ void JointsProblem::take_out_starts(const Model& model, const Groups& groups,
     place += kStartValues;
     // A start that is held near where it was measured is not free.
     if (std::abs(offset_rad) >= kFarthestStart * here.sigma[log.rows[0]]) continue;
-    if (any_rate) take_out(by_angle, by_rate, log.rows);
+    std::vector<size_t> scalars = log.rows;
+    for (const size_t row : log.rows) {
+      if (has_efforts() && effort_scalar_[row] >= 0) scalars.push_back(effort_scalar_[row]);
+    }
+    if (any_rate) take_out(by_angle, by_rate, scalars);
     for (Values& column : columns) {
-      take_out(by_angle, column, log.rows);
-      if (any_rate) take_out(by_rate, column, log.rows);
+      take_out(by_angle, column, scalars);
+      if (any_rate) take_out(by_rate, column, scalars);
     }
   }
 }

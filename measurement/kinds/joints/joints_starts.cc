@@ -19,9 +19,11 @@ bool has_rate(const Model& model, const JointLog& log) {
 }  // namespace
 
 std::vector<double> JointsProblem::predict_from(const Model& model, const JointLog& log,
-                                                const LogStart& start) const {
+                                                const LogStart& start,
+                                                std::vector<double>* drives) const {
   return predict_joint_log(model, set_, log, log.measured_rad.front() + start.offset_rad,
-                           log.start_radps + start.offset_radps);
+                           log.start_radps + start.offset_radps, {},
+                           has_efforts() ? drives : nullptr);
 }
 
 int64_t JointsProblem::unknowns_of_start(const Model& model, const JointLog& log) const {
@@ -60,7 +62,8 @@ JointsProblem::Prediction JointsProblem::fit_start(const Model& model, const Joi
     }
     return sum;
   };
-  const std::vector<double> predicted = predict_from(model, log, {});
+  std::vector<double> drives, better_drives;
+  const std::vector<double> predicted = predict_from(model, log, {}, &drives);
   const auto slopes = start_slopes(model, log, {}, predicted, sigma_rad);
   const auto count = static_cast<Eigen::Index>(slopes.size());
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(count, count);
@@ -71,7 +74,7 @@ JointsProblem::Prediction JointsProblem::fit_start(const Model& model, const Joi
       for (Eigen::Index b = 0; b < count; ++b) normal(a, b) += slopes[a][k] * slopes[b][k];
     }
   }
-  if (!(normal(0, 0) > 0)) return {{}, predicted};
+  if (!(normal(0, 0) > 0)) return {{}, predicted, drives};
   Eigen::VectorXd step = right.head(1) / normal(0, 0);
   if (count > 1) solve_positive(normal, right, step);
   // The start is measured as well: a model that fails later must not move it far from there.
@@ -79,10 +82,11 @@ JointsProblem::Prediction JointsProblem::fit_start(const Model& model, const Joi
   LogStart start{.offset_rad = std::clamp(step[0], -most, most), .log_det = std::log(normal(0, 0))};
   const double widest = 0.2 * std::abs(log.start_radps);
   if (step.size() > 1) start.offset_radps = std::clamp(step[1], -widest, widest);
-  if (start.offset_rad == 0 && start.offset_radps == 0) return {start, predicted};
-  std::vector<double> better = predict_from(model, log, start);
-  if (!(chi2_of(better) < chi2_of(predicted))) return {{.log_det = start.log_det}, predicted};
-  return {start, std::move(better)};
+  if (start.offset_rad == 0 && start.offset_radps == 0) return {start, predicted, drives};
+  std::vector<double> better = predict_from(model, log, start, &better_drives);
+  if (!(chi2_of(better) < chi2_of(predicted)))
+    return {{.log_det = start.log_det}, predicted, std::move(drives)};
+  return {start, std::move(better), std::move(better_drives)};
 }
 
 }  // namespace seam::measurement

@@ -156,7 +156,7 @@ const RoundedAngle& JointsProblem::likeliest_rounding(const Evaluation& seen) co
   const RoundedAngle* likeliest = &roundings_.front();
   for (const RoundedAngle& rounded : roundings_) {
     double likelihood = 0;
-    for (size_t i = 0; i < seen.residual.size(); ++i) {
+    for (size_t i = 0; i < facts_.rows(); ++i) {
       if (!seen.used[i]) continue;
       const double z = rounded.z(seen.residual[i]);
       likelihood -= 0.5 * z * z + std::log(rounded.sigma_rad());
@@ -166,17 +166,18 @@ const RoundedAngle& JointsProblem::likeliest_rounding(const Evaluation& seen) co
   return *likeliest;
 }
 
-void JointsProblem::whiten_rounded(const RoundedAngle& rounded, Evaluation& evaluation) {
-  for (size_t i = 0; i < evaluation.residual.size(); ++i) {
+void JointsProblem::whiten_rounded(const RoundedAngle& rounded, Evaluation& evaluation) const {
+  for (size_t i = 0; i < facts_.rows(); ++i) {
     if (evaluation.used[i]) evaluation.whitened[i] = rounded.z(evaluation.residual[i]);
   }
-  evaluation.mean_square.assign(evaluation.residual.size(), rounded.mean_square());
+  evaluation.mean_square.assign(facts_.rows(), rounded.mean_square());
+  evaluation.mean_square.resize(facts_.scalars(), 1);
 }
 
 void JointsProblem::bound_chances(Evaluation& evaluation) const {
   if (roundings_.empty() || !facts_.channels[0].estimated) return;
   const double least = lattice_rad_ / std::sqrt(2 * std::numbers::pi);
-  for (size_t i = 0; i < evaluation.used.size(); ++i) {
+  for (size_t i = 0; i < facts_.rows(); ++i) {
     if (evaluation.used[i] && evaluation.sigma[i] < least)
       evaluation.log_det[facts_.group_of(i)] += 2 * std::log(least / evaluation.sigma[i]);
   }
@@ -195,7 +196,7 @@ std::vector<double> JointsProblem::change_of(const Model& model, const Evaluatio
   for (size_t i = 0; i < change.size(); ++i) {
     if (!here.used[i]) continue;
     // Edges between steps are narrower than what differences of parameters move.
-    change[i] = is_rounded
+    change[i] = is_rounded && i < facts_.rows()
                     ? rounded->slope(here.residual[i]) * (there.residual[i] - here.residual[i])
                     : there.whitened[i] - here.whitened[i];
   }

@@ -1,4 +1,4 @@
-#include "measurement/kinds/joints/damped_motor.h"
+#include "measurement/kinds/joints/torque/damped_motor.h"
 
 #include <algorithm>
 #include <initializer_list>
