@@ -270,7 +270,15 @@ def test_parts(folder):
     good = [m for k, m in enumerate(both) if k // 2 != 30]
     (folder / "effort.mcap").write_bytes(mcap_file(good))  # Efforts that no encoder tells are NaN by habit.
     imported("ros", folder / "effort.mcap", out=folder / "effort")
-    assert len(rows_of(folder / "effort" / "joints.csv")) == 59
+    rows = rows_of(folder / "effort" / "joints.csv")
+    assert len(rows) == 59 and "effort_nm" not in rows[0], rows[0]
+    # Measured ones become torques, blank where they are no number.
+    force = [(topic, kind, a, Cdr(False).header(a).texts(["arm"]).reals([0.1]).reals([]).reals(
+        [float("nan") if k == 5 else 0.25 * k]).data) for k, (topic, kind, a, _) in enumerate(bad)]
+    (folder / "force.mcap").write_bytes(mcap_file([m for pair in zip(told, force) for m in pair]))
+    said = imported("ros", folder / "force.mcap", out=folder / "force")
+    efforts = [r["effort_nm"] for r in rows_of(folder / "force" / "joints.csv")]
+    assert "effort_nm" in said and "" in efforts and set(efforts) - {""} <= {f"{0.25 * k:g}" for k in range(60)}, efforts
 
 
 def test_transforms(folder):

@@ -53,6 +53,27 @@ def test_reversed(folder):
     refused("servo", two, "--reverse", "lfit", out=folder / "none", words=["'lfit'", "did you mean 'lift'", "arm, lift"])
 
 
+def test_torques(folder):
+    """By habit, by each joint's name, by the map; with the sign of the angles; blank where nothing is."""
+    t, command, measured = servo_log()
+    torque = np.round(np.sin(3 * t), 3)
+    one = table(folder / "one.csv", "time,goal,present,effort", t, command, measured, torque)
+    said = imported("servo", one, "--map", "command=goal,measured=present", "--unit", "rad", out=folder / "one")
+    assert "effort_nm" in said, said
+    assert np.allclose(column(folder / "one", "effort_nm"), torque, atol=1e-6)
+    two = table(folder / "two.csv", "time,arm_cmd,arm_pos,arm_torque,lift_cmd,lift_pos,lift_torque", t, command, measured,
+                torque, command, -measured, -2 * torque)
+    imported("servo", two, "--reverse", "lift", out=folder / "two")
+    assert np.allclose(column(folder / "two", "effort_nm", joint="arm"), torque, atol=1e-6)
+    assert np.allclose(column(folder / "two", "effort_nm", joint="lift"), 2 * torque, atol=1e-6)
+    mapped = table(folder / "mapped.csv", "time,goal,present,amperes", t, command, measured, torque)
+    names = "command=goal,measured=present,effort="
+    imported("servo", mapped, "--map", names + "amperes", "--unit", "rad", out=folder / "mapped")
+    assert np.allclose(column(folder / "mapped", "effort_nm"), torque, atol=1e-6)
+    refused("servo", mapped, "--map", names + "ampers", "--unit", "rad", out=folder / "none",
+            words=["'ampers'", "--map effort", "did you mean 'amperes'"])
+
+
 def test_off(folder):
     """A drive that is off in parts of a log, where its command reads 0 or nothing."""
     t, command, measured = servo_log()

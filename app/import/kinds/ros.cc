@@ -129,6 +129,10 @@ void RosImport::add_joint(const std::string& name, JointRows& of, measurement::C
   to_radians(of.command, "command", where, request_, draft_);
   to_radians(of.angle, "position", where, request_, draft_);
   reversal_.apply(name, of.command, of.angle);
+  const auto& reversed = request_.reversed;
+  // Torques count the way that the angles do.
+  if (std::find(reversed.begin(), reversed.end(), name) != reversed.end())
+    for (double& effort : of.effort_nm) effort = -effort;
   for (size_t i = 0; i < of.times.size(); ++i, ++rows) {
     std::vector<std::string> cells = {"0", seconds_text(of.times[i]), name, exact(of.command[i]),
                                       exact(of.angle[i])};

@@ -71,8 +71,11 @@ void ServoImport::look_at(const std::vector<double>& command, const std::vector<
 std::string ServoImport::cell(const SignalLog& log, const JointColumns& joint,
                               const std::string& column, size_t row, bool off) const {
   if (column == kEffort) {
+    // Torques count the way that the angles do.
+    const auto& reversed = request_.reversed;
+    const bool turned = std::find(reversed.begin(), reversed.end(), joint.joint) != reversed.end();
     const double effort = joint.effort ? log.values[*joint.effort][row] : NAN;
-    return std::isfinite(effort) ? exact(effort) : "";
+    return std::isfinite(effort) ? exact(turned ? -effort : effort) : "";
   }
   if (off && column == kEnabled) return "0";
   if (column == kEnabled && called_.at(column).empty()) return "1";
