@@ -16,7 +16,7 @@ PIXELS = ("row", "column", "radius", "neighbouring_pixel", "pixel")
 # Of each sort its causes, and on what residuals depend: any of these names is right.
 DEPENDS_ON = {
     "boards": {"glass": IMAGE, "twisted board": BOARD, "pixel phase": (*IMAGE, "column phase", "row phase"), "moire": IMAGE,
-               "tiled sensor": IMAGE, "creeping centre": ("time", "view"), "windscreen": IMAGE, "rippled paper": BOARD,
+               "tiled sensor": IMAGE, "creeping centre": ("time", "view"), "windscreen": IMAGE, "odd lens": IMAGE, "rippled paper": BOARD,
                "folded board": BOARD},
     "videos": {"twisted board": BOARD, "glass": IMAGE, "hunting focus": ("time", "view")},
     "servos": {"slow drift": ("time",), "potentiometer": ("command_rad",), "floor shakes": ("time",),
@@ -58,13 +58,27 @@ def draw_of_camera(draw, cause, extent, corner):
             "tiled sensor": lambda: {"px": draw.signed(0.3, 0.8)},
             "creeping centre": lambda: {"u_px_per_s": draw.signed(0.05, 0.15), "v_px_per_s": draw.signed(0.05, 0.15)},
             "windscreen": lambda: {"a": draw.signed(0.01, 0.03) / corner ** 2},
+            "odd lens": lambda: {"px": draw.uniform(0.4, 1.6), "waves": [
+                {"way_rad": draw.uniform(-math.pi, math.pi), "per_width": draw.uniform(0.4, 1.2),
+                 "phase_rad": draw.uniform(-math.pi, math.pi), "to_rad": draw.uniform(-math.pi, math.pi)} for _ in range(4)]},
             "rippled paper": lambda: {"m": draw.uniform(0.004, 0.01) * extent, "period_m": extent * draw.uniform(0.5, 0.9)},
             "folded board": lambda: {"m": draw.signed(0.01, 0.03) * extent},
             "hunting focus": lambda: {"share": draw.uniform(0.002, 0.006), "hz": draw.uniform(0.7, 2)}}[cause]()
 
 
+def through_odd_lens(effects, width, u, v):
+    """Moulded, and not quite what its drawing says: smooth waves over the image, in no direction's favour."""
+    x, y = u / width, v / width
+    for wave in of(effects, "odd lens", "waves", ()):
+        along = x * math.cos(wave["way_rad"]) + y * math.sin(wave["way_rad"])
+        moved = of(effects, "odd lens", "px") * np.sin(2 * math.pi * wave["per_width"] * along + wave["phase_rad"])
+        u, v = u + moved * math.cos(wave["to_rad"]), v + moved * math.sin(wave["to_rad"])
+    return u, v
+
+
 def in_image(effects, camera, u, v):
     """What acts on pixels: a beat of the sensor with the target, two halves of a sensor, a mount that warms up."""
+    u, v = through_odd_lens(effects, camera["size"][0], u, v)
     size, period = of(effects, "moire", "px"), of(effects, "moire", "period_px", 1.0)
     u, v = u + size * np.sin(2 * math.pi * u / period), v + size * np.sin(2 * math.pi * v / period)
     u = u + of(effects, "tiled sensor", "px") * (u > 0.5 * camera["size"][0])

@@ -27,6 +27,8 @@ enum class Base {
 enum class Term {
   none,
   radial,     // How the distance from the optical axis is bent.
+  angular,    // The same by the ray's angle from the axis.
+  one_sided,  // How points move to one side: a lens off its axis, or tilted.
   kinematic,  // Rules by which a joint goes to its command without torque.
 };
 

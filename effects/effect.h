@@ -81,19 +81,19 @@ struct EffectDefinition {
   // of a target truly are), so that it moves predictions, too.
   bool draws_estimated = false;
   Errors errors = Errors::independent;  // What sort of errors it makes.
-  // A noise that is described by its size and length, not by what makes it: it is said to be of
-  // unknown cause, not to be missing.
+  // A noise that is described by its size and length, or a lens by what it does, not by what makes
+  // it: it is said to be of unknown cause, not to be missing.
   bool unknown_cause = false;
   bool has_neutral = true;           // False for a base (pinhole) or a replacement (fisheye).
   std::vector<std::string> columns;  // Further columns of a set that a joint's formula reads.
   std::string source;                // Of an expression effect: the YAML of its definition.
 
   // What is asked of it by those who do not know its name.
-  Base base = Base::none;           // It is the model's base of this sort,
-  Base replaces_base = Base::none;  // or takes the place of one.
-  Base needs_base = Base::none;     // Acts only in a model that has this one.
-  Term term = Term::none;           // It is one form of this term,
-  Term replaces_term = Term::none;  // or takes the place of every form of it.
+  Base base = Base::none;            // It is the model's base of this sort,
+  Base replaces_base = Base::none;   // or takes the place of one.
+  Base needs_base = Base::none;      // Acts only in a model that has this one.
+  Term term = Term::none;            // It is one form of this term,
+  std::vector<Term> replaces_terms;  // or takes the place of every form of these.
   Family family = Family::none;
   // Effects without which it seldom helps: the search offers them with it as one move.
   std::vector<std::string> companions;

@@ -245,12 +245,25 @@ std::string base_name(Base base) {
   return found == catalogue().end() ? "" : (*found)->name;
 }
 
+bool replaces(const EffectDefinition& effect, Term term) {
+  const std::vector<Term>& all = effect.replaces_terms;
+  return std::find(all.begin(), all.end(), term) != all.end();
+}
+
+bool is_any_lens(const EffectDefinition& effect) {
+  return replaces(effect, Term::radial) && replaces(effect, Term::angular);
+}
+
+std::shared_ptr<const EffectDefinition> any_lens() {
+  const auto found = std::find_if(catalogue().begin(), catalogue().end(),
+                                  [](const auto& effect) { return is_any_lens(*effect); });
+  return found == catalogue().end() ? nullptr : *found;
+}
+
 const ModelEffect* replacement_in(const Model& model) {
   for (const ModelEffect& effect : model.effects()) {
-    const Term term = effect.definition->replaces_term;
-    if (term == Term::none) continue;
     for (const ModelEffect& other : model.effects()) {
-      if (other.definition->term == term) return &effect;
+      if (replaces(*effect.definition, other.definition->term)) return &effect;
     }
   }
   return nullptr;
@@ -280,7 +293,7 @@ const ModelEffect* excluding(const EffectDefinition& effect, const Model& model)
   if (effect.term == Term::none) return nullptr;
   const auto found =
       std::find_if(model.effects().begin(), model.effects().end(), [&](const ModelEffect& other) {
-        return other.definition->replaces_term == effect.term &&
+        return replaces(*other.definition, effect.term) &&
                meet(effect.name, other.definition->name, model);
       });
   return found == model.effects().end() ? nullptr : &*found;
@@ -311,7 +324,7 @@ void remove_replaced(const EffectDefinition& effect, Model& model) {
   std::vector<std::string> replaced;
   for (const ModelEffect& other : model.effects()) {
     const EffectDefinition& definition = *other.definition;
-    const bool term = effect.replaces_term != Term::none && definition.term == effect.replaces_term;
+    const bool term = replaces(effect, definition.term);
     const bool base = effect.replaces_base != Base::none &&
                       definition.base == effect.replaces_base && definition.parameters.empty();
     const std::string camera = camera_of(effect.name);

@@ -53,6 +53,11 @@ std::string missing_base(const EffectDefinition& effect, const Model& model);
 // that is not there), in words; empty: nothing.
 std::string conflict_in(const Model& model);
 
+// Whether the effect takes the place of every form of this term.
+bool replaces(const EffectDefinition& effect, Term term);
+// Whether it is a lens that replaces every other, of any form; and that of the catalogue.
+bool is_any_lens(const EffectDefinition& effect);
+std::shared_ptr<const EffectDefinition> any_lens();
 // The effect that stands in the model beside what it should replace; null where none does.
 const ModelEffect* replacement_in(const Model& model);
 // The effect that replaces in the model whatever is a form of `effect`'s term; null

@@ -57,6 +57,7 @@
   X(pupil_shift)              \
   X(pinhole)                  \
   X(fisheye)                  \
+  X(spline_lens)              \
   X(radial_distortion)        \
   X(radial_polynomial)        \
   X(rational_lens)            \

@@ -156,6 +156,30 @@ def fisheye(p, x, y, z):
     return t * (1 + sum(k * t ** (2 * i + 2) for i, k in enumerate(p))) / math.hypot(x, y)
 
 
+def spline_lens(p, x, y, z):
+    """Of a ray: stereographic, by its angle, and moved by B-splines, by the recursion of Cox and de Boor over the knots."""
+    angle, way = math.atan2(math.hypot(x, y), z), math.atan2(y, x)
+    u = [2 * math.tan(angle / 2) * math.cos(way), 2 * math.tan(angle / 2) * math.sin(way)]
+    apart = 4 * math.tan(math.radians(p[0]) / 4) / 5  # From one control point to the next.
+
+    def bump(i, degree, at):
+        """Over knots at whole numbers, from i on."""
+        if degree == 0:
+            return 1.0 if i <= at < i + 1 else 0.0
+        return ((at - i) * bump(i, degree - 1, at) + (i + degree + 1 - at) * bump(i + 1, degree - 1, at)) / degree
+    values, moved = iter(p[1:]), list(u)
+    for row in range(6):
+        for column in range(8):
+            for part in (0, 1):
+                moved[part] += (next(values) * bump(column - 2, 3, u[0] / apart + 3.5) * bump(row - 2, 3, u[1] / apart + 2.5))
+    return moved
+
+
+# A crooked lens, and rays to its corners.
+CROOKED = [60] + [round(0.01 * (1 + 7 * k % 5), 2) for k in range(96)]
+CORNERS = [[("x_m", x), ("y_m", y), ("z_m", 1)] for x in (-0.45, 0.45) for y in (-0.3, 0.3)]
+
+
 def through_port(p, x, y, z):
     """The tangent of a point's ray in air, over the point's radius: by halving, from Snell's law in angles."""
     r = math.hypot(x, y)
@@ -348,6 +372,8 @@ PROOFS = [
     ("fisheye", [-0.02, 0.001, 0, 0], RAY, image("fisheye(p, x_m, y_m, z_m) * x_m", "fisheye(p, x_m, y_m, z_m) * y_m")),
     ("fisheye", [0.1, -0.02, 0.003, -0.0005], OTHER_RAY,
      image("fisheye(p, x_m, y_m, z_m) * x_m", "fisheye(p, x_m, y_m, z_m) * y_m")),
+    *(("spline_lens", CROOKED, corner, image("spline_lens(p, x_m, y_m, z_m)[0]", "spline_lens(p, x_m, y_m, z_m)[1]"))
+      for corner in CORNERS),
     ("radial_distortion", [-0.1], RAY,
      image("0.24 * 2 / (1 + math.sqrt(1 + 0.4 * (0.24**2 + 0.16**2)))",
            "-0.16 * 2 / (1 + math.sqrt(1 + 0.4 * (0.24**2 + 0.16**2)))")),
@@ -630,7 +656,8 @@ def number(value):
 def proof_of(effect, values, given, expected, tolerance=None):
     names = {name: value for name, value in given}
     names.update(p=values, math=math, root=root, play=play, turned=turned, walked=walked, fisheye=fisheye, slid=slid,
-                 tangential=tangential, rational=rational, swung=swung, sprung=sprung, driven=driven, beside=beside,
+                 spline_lens=spline_lens, tangential=tangential, rational=rational, swung=swung, sprung=sprung,
+                 driven=driven, beside=beside,
                  rolled=rolled, elastic=elastic, through_port=through_port, vibrating=vibrating, spun=spun)
     found = {name: eval(text, dict(names)) for name, text in expected.items()}
     pairs = lambda items: "{" + ", ".join(f'{{"{name}", {number(value)}}}' for name, value in items) + "}"

@@ -5,6 +5,8 @@
 #include <array>
 #include <vector>
 
+#include "effects/stages/spline_grid.h"
+
 namespace seam::app {
 namespace {
 
@@ -94,6 +96,22 @@ std::string mrcal_text(const PlainCamera& camera) {
              "    'intrinsics': {},\n\n    # the camera's own frame is the reference\n"
              "    'extrinsics': [0, 0, 0, 0, 0, 0],\n\n    'imagersize': [{}, {}]\n}}\n",
              model, list_of(numbers), camera.width_px, camera.height_px);
+}
+
+std::string mrcal_text_of_splines(const PlainCamera& camera, const effects::ModelEffect& splines) {
+  using namespace effects;
+  const Lens& lens = camera.lens;
+  std::vector<double> numbers = {lens.fx_px, lens.fy_px, lens.cx_px, lens.cy_px};
+  const Values values = splines.values();
+  numbers.insert(numbers.end(), values.begin() + kSplineFov + 1, values.end());
+  return fmt::format(
+      "{{\n    'lensmodel':  "
+      "'LENSMODEL_SPLINED_STEREOGRAPHIC_order=3_Nx={}_Ny={}_fov_x_deg={:.0f}',"
+      "\n\n    # fx, fy, cx, cy, then x and y of each control point, row by row\n"
+      "    'intrinsics': {},\n\n    # the camera's own frame is the reference\n"
+      "    'extrinsics': [0, 0, 0, 0, 0, 0],\n\n    'imagersize': [{}, {}]\n}}\n",
+      kSplineColumns, kSplineRows, values[kSplineFov], list_of(numbers), camera.width_px,
+      camera.height_px);
 }
 
 std::string kalibr_text(const PlainCamera& camera) {

@@ -10,6 +10,7 @@
 #include "app/exchange/model_json.h"
 #include "app/exchange/servo_files.h"
 #include "effects/questions.h"
+#include "effects/stages/spline_grid.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
@@ -55,6 +56,23 @@ bool is_of_camera(const effects::EffectDefinition& effect) {
   return !effects::of_points_alone(effect) &&
          (effect.geometry || effect.image_map || effect.timing || effect.optics || effect.gain ||
           effect.sensor);
+}
+
+// A lens of splines that is all of the model's lens and covers whole degrees, as mrcal's does; null
+// where the lens is another one.
+const ModelEffect* splines_alone(const Model& model) {
+  const ModelEffect* splines = nullptr;
+  for (const ModelEffect& effect : model.effects()) {
+    const effects::EffectDefinition& definition = *effect.definition;
+    if (!(definition.geometry || definition.image_map) ||
+        definition.base == effects::Base::projection)
+      continue;
+    const double fov_deg =
+        effects::is_any_lens(definition) ? effect.values()[effects::kSplineFov] : 0.5;
+    if (fov_deg != std::round(fov_deg)) return nullptr;
+    splines = &effect;
+  }
+  return splines;
 }
 
 class Exporter {
@@ -203,7 +221,7 @@ LensFit Exporter::find_lens(const Model& kept) {
   // A model whose lens is another one than a perspective lens keeps its form.
   const bool wide =
       std::any_of(kept.effects().begin(), kept.effects().end(), [](const ModelEffect& effect) {
-        return effect.definition->replaces_term == effects::Term::radial;
+        return effects::replaces(*effect.definition, effects::Term::radial);
       });
   if (wide)
     std::stable_partition(families.begin(), families.end(),
@@ -231,15 +249,26 @@ Exported Exporter::run() {
   Model kept = model_;
   std::vector<const ModelEffect*> lost;
   split(kept, lost);
-  camera_.lens = find_lens(kept).lens;
-  out_.form = words_of(camera_.lens.family);
+  const ModelEffect* splines = format_.text_of_splines ? splines_alone(kept) : nullptr;
+  if (splines && options_.form.empty()) {
+    const ModelEffect& base = *effects::base_of(kept, effects::Base::projection);
+    camera_.lens = {.fx_px = base.value("fx_px"),
+                    .fy_px = base.value("fy_px"),
+                    .cx_px = base.value("cx_px"),
+                    .cy_px = base.value("cy_px")};
+    out_.form = "splines over a stereographic projection";
+  } else {
+    splines = nullptr;
+    camera_.lens = find_lens(kept).lens;
+    out_.form = words_of(camera_.lens.family);
+  }
   const effects::Timing timing = effects::timing_of(kept);
   camera_.name = model_.name().empty() ? "camera" : model_.name();
   camera_.line_delay_s = timing.line_delay_s;
   camera_.time_shift_s = timing.row_middle_after_stamp_s(0, 0);
   for (const ModelEffect* effect : lost)
     out_.notes.push_back(fmt::format("without {}: {}", effect->definition->name, cost_of(*effect)));
-  out_.text = format_.text(camera_);
+  out_.text = splines ? format_.text_of_splines(camera_, *splines) : format_.text(camera_);
   return out_;
 }
 
@@ -260,7 +289,8 @@ const std::vector<ExchangeFormat>& exchange_formats() {
        .help = "a .cameramodel",
        .ending = ".cameramodel",
        .lenses = {pinhole, radtan, plumb_bob, rational, thin_prism},
-       .text = mrcal_text},
+       .text = mrcal_text,
+       .text_of_splines = mrcal_text_of_splines},
       {.name = "kalibr",
        .help = "a camchain, with line_delay and timeshift_cam_imu",
        .lenses = {radtan, equidistant},

@@ -51,6 +51,9 @@ struct ExchangeFormat {
   bool holds_line_delay = false;
   bool holds_time_shift = false;
   std::string (*text)(const PlainCamera& camera) = nullptr;
+  // Of one that holds a lens of splines as it is.
+  std::string (*text_of_splines)(const PlainCamera& camera,
+                                 const effects::ModelEffect& splines) = nullptr;
   // Of a format that holds whatever a model says; then it has no `text`.
   std::string (*text_of_all)(const effects::Model& model) = nullptr;
   // Of a format that holds a servo instead of a camera.

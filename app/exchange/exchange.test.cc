@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
 #include "sim_core/base/config.h"
 #include "sim_core/base/error.h"
 
@@ -139,6 +143,48 @@ TEST(Export, TakesTheFisheyeOfAFisheye) {
   const Exported exported =
       export_model(model, format("opencv"), {.width_px = 178, .height_px = 144});
   EXPECT_THAT(exported.form, testing::StartsWith("fisheye"));
+}
+
+// B of four control points by the recursion of Cox and de Boor, over knots at whole numbers.
+double bump(int i, int degree, double at) {
+  if (degree == 0) return i <= at && at < i + 1 ? 1 : 0;
+  return ((at - i) * bump(i, degree - 1, at) +
+          (i + degree + 1 - at) * bump(i + 1, degree - 1, at)) /
+         degree;
+}
+
+// What mrcal's documentation says of its splined stereographic lens, from the numbers in the file.
+TEST(Export, ALensOfSplinesIsMrcalsOwn) {
+  const effects::Model model =
+      model_of(kPinhole +
+               ", spline_lens: {fov_x_deg: 62, x_0_0: 0.02, y_1_2: -0.03, x_3_3: 0.01, "
+               "y_2_3: 0.02, x_5_7: -0.02}");
+  const ExportOptions size{.width_px = 178, .height_px = 144};
+  const std::string text = export_model(model, format("mrcal"), size).text;
+  EXPECT_THAT(
+      text, testing::HasSubstr("'LENSMODEL_SPLINED_STEREOGRAPHIC_order=3_Nx=8_Ny=6_fov_x_deg=62'"));
+  std::vector<double> k;
+  std::stringstream list(text.substr(text.find("'intrinsics': [") + 15));
+  for (char comma = ','; comma == ','; list >> comma) list >> k.emplace_back();
+  ASSERT_EQ(k.size(), 4u + 2 * 8 * 6);
+  const double apart = 4 * std::tan(62 * std::numbers::pi / 180 / 4) / 5;
+  const effects::Projection camera(model, 178, 144);
+  for (const Vec3& p : {Vec3{0.3, -0.2, 1}, Vec3{-0.45, 0.3, 1}, Vec3{0.01, 0.02, 1}}) {
+    const double length = std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
+    const double u[] = {2 * p.x / (length + p.z), 2 * p.y / (length + p.z)};
+    double q[] = {u[0], u[1]};
+    for (int i = 0; i < 48; ++i) {
+      const double weight =
+          bump(i % 8 - 2, 3, u[0] / apart + 3.5) * bump(i / 8 - 2, 3, u[1] / apart + 2.5);
+      for (const int part : {0, 1}) q[part] += weight * k[4 + 2 * i + part];
+    }
+    const effects::ImagePoint seen = camera.project(p);
+    EXPECT_NEAR(seen.u, k[0] * q[0] + k[2], 1e-9);
+    EXPECT_NEAR(seen.v, k[1] * q[1] + k[3], 1e-9);
+  }
+  // Others get what comes nearest.
+  EXPECT_THAT(export_model(model, format("opencv"), size).notes,
+              testing::Contains(testing::HasSubstr("misses by")));
 }
 
 TEST(Export, AFormMustBeOneOfTheFormat) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sim_core/base/config.h"
+#include "sim_core/base/error.h"
 
 namespace seam::effects {
 namespace {
@@ -36,6 +37,51 @@ TEST(Projection, UnprojectInvertsDistortion) {
       EXPECT_NEAR(back.u, u, 1e-8);
       EXPECT_NEAR(back.v, v, 1e-8);
     }
+  }
+}
+
+constexpr const char* kSplines =
+    "  pinhole: {fx_px: 160, fy_px: 160, cx_px: 88.5, cy_px: 71.5}\n"
+    "  spline_lens: {fov_x_deg: 60, x_1_1: -0.02, y_1_1: 0.03, x_2_3: 0.01, y_4_5: -0.02, x_5_6: "
+    "0.05}";
+
+TEST(Projection, ALensOfSplinesIsInvertedOverTheImage) {
+  const Projection camera(model_of(kSplines), 178, 144);
+  for (double u = 0; u < 178; u += 8.85) {
+    for (double v = 0; v < 144; v += 7.15) {
+      const auto ray = camera.unproject(u, v);
+      ASSERT_TRUE(ray.has_value()) << u << " " << v;
+      const ImagePoint back = camera.project(*ray);
+      EXPECT_NEAR(back.u, u, 1e-8);
+      EXPECT_NEAR(back.v, v, 1e-8);
+    }
+  }
+  // Far beyond its control points, and behind the camera, there is no image.
+  EXPECT_FALSE(camera.project({3, 0, 1}).visible);
+  EXPECT_FALSE(camera.project({0, 0, -1}).visible);
+}
+
+TEST(Projection, WhereALensOfSplinesFoldsAPointHasTheImageOfTheFold) {
+  const Projection camera(model_of("  pinhole: {fx_px: 160, fy_px: 160, cx_px: 0, cy_px: 0}\n"
+                                   "  spline_lens: {fov_x_deg: 120, x_2_5: -0.9, x_3_5: -0.9}"),
+                          178, 144);
+  double last_px = 0;
+  int folded = 0;
+  for (double angle = 0.01; angle < 1; angle += 0.01) {
+    const ImagePoint point = camera.project({std::sin(angle), 0, std::cos(angle)});
+    EXPECT_NE(point.visible, point.at_edge) << angle;
+    if (point.visible && folded == 0) last_px = point.u;
+    if (!point.at_edge) continue;
+    ++folded;
+    EXPECT_NEAR(point.u, last_px, 1.0) << angle;
+  }
+  EXPECT_GT(folded, 5);
+}
+
+TEST(Projection, ALensOfSplinesStandsBesideNoOtherLens) {
+  for (const char* other : {"fisheye: {k1: 0.1}", "radial_polynomial: {k1: -0.2}",
+                            "tangential_distortion: {p1: 0.01}", "thin_prism: {s1: 0.01}"}) {
+    EXPECT_THROW(model_of(std::string(kSplines) + "\n  " + other), InputError) << other;
   }
 }
 

@@ -8,7 +8,9 @@
 
 #include "effects/questions.h"
 #include "effects/stages/geometry.h"
+#include "effects/stages/spline_grid.h"
 #include "measurement/numerics/damped_step.h"
+#include "measurement/numerics/linear_algebra.h"
 
 namespace seam::measurement {
 namespace {
@@ -95,7 +97,84 @@ std::optional<std::vector<double>> nearest_lens(effects::Model rest,
   return values;
 }
 
+// The rays of a grid of pixels from border to border, those that the lens has.
+std::vector<Vec3> rays_of_image(const effects::Projection& projection) {
+  constexpr int kColumns = 29, kRows = 25;
+  std::vector<Vec3> rays;
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      const double u = (projection.width_px() - 1.0) * column / (kColumns - 1);
+      const double v = (projection.height_px() - 1.0) * row / (kRows - 1);
+      if (const auto ray = projection.unproject(u, v)) rays.push_back(*ray);
+    }
+  }
+  constexpr double kFilled = 0.7;  // Of the image; fewer say nothing of the others.
+  if (static_cast<double>(rays.size()) < kFilled * kColumns * kRows) rays.clear();
+  return rays;
+}
+
+// Whole degrees, as mrcal has them, between the second column of control points and the last but
+// one, so that all of these rays lie within, and within the second row and the last but one.
+double fov_x_deg_of(const std::vector<Vec3>& rays) {
+  constexpr double kAspect = (effects::kSplineColumns - 3.0) / (effects::kSplineRows - 3.0);
+  double half = 0;
+  for (const Vec3& ray : rays) {
+    const double to_plane = 2 / (glm::length(ray) + ray.z);
+    half = std::max({half, to_plane * std::abs(ray.x), to_plane * std::abs(ray.y) * kAspect});
+  }
+  constexpr double kMargin = 1.02;  // Lenses change a little while they are fitted.
+  return std::ceil(720 / std::numbers::pi * std::atan(kMargin * half / 2));
+}
+
 }  // namespace
+
+std::optional<std::vector<double>> spline_lens_like(const effects::Model& model,
+                                                    const effects::EffectDefinition& splines,
+                                                    int width_px, int height_px) {
+  effects::Model lens;
+  for (const effects::ModelEffect& part : model.effects()) {
+    if (part.definition->geometry || part.definition->image_map)
+      lens.set(part.definition, part.parameters);
+  }
+  const std::vector<Vec3> rays = rays_of_image({lens, width_px, height_px});
+  if (rays.empty()) return std::nullopt;
+  const auto wanted = images_of({lens, width_px, height_px}, rays);
+  effects::remove_replaced(splines, lens);
+  std::vector<double> values(splines.parameters.size(), 0);
+  values[effects::kSplineFov] = fov_x_deg_of(rays);
+  const effects::Parameter& fov = splines.parameters[effects::kSplineFov];
+  if (!(values[effects::kSplineFov] >= fov.min && values[effects::kSplineFov] <= fov.max))
+    return std::nullopt;
+  const auto definition = std::make_shared<const effects::EffectDefinition>(splines);
+  const auto images_at = [&](const std::vector<double>& there) {
+    std::vector<effects::ParameterValue> set;
+    for (const double value : there) set.push_back({.value = value});
+    lens.set(definition, std::move(set));
+    return images_of({lens, width_px, height_px}, rays);
+  };
+  const auto plain = images_at(values);
+  if (!wanted || !plain) return std::nullopt;
+  // Images are linear in the values.
+  const auto count = static_cast<Eigen::Index>(values.size()) - 1;
+  constexpr double kStep = 1e-3, kFloor = 1e-6;
+  Eigen::MatrixXd slopes(plain->size(), count);
+  for (Eigen::Index p = 0; p < count; ++p) {
+    std::vector<double> there = values;
+    there[static_cast<size_t>(p) + 1] += kStep;
+    const auto moved = images_at(there);
+    if (!moved) return std::nullopt;
+    slopes.col(p) = (*moved - *plain) / kStep;
+  }
+  Eigen::MatrixXd gram = slopes.transpose() * slopes;
+  // Control points at the border that move little stay near zero.
+  gram.diagonal().array() += kFloor * gram.diagonal().maxCoeff();
+  const Eigen::VectorXd best = solve_symmetric(gram, slopes.transpose() * (*wanted - *plain));
+  for (Eigen::Index p = 0; p < count; ++p) {
+    const effects::Parameter& parameter = splines.parameters[static_cast<size_t>(p) + 1];
+    values[static_cast<size_t>(p) + 1] = std::clamp(best[p], parameter.min, parameter.max);
+  }
+  return values;
+}
 
 std::optional<std::vector<double>> lens_like(const effects::Model& model,
                                              const effects::EffectDefinition& in, int width_px,
@@ -108,7 +187,7 @@ std::optional<std::vector<double>> lens_like(const effects::Model& model,
     lens.set(part.definition, part.parameters);
     const bool in_its_place =
         in.term != effects::Term::none &&
-        (part.definition->replaces_term == in.term || part.definition->term == in.term);
+        (effects::replaces(*part.definition, in.term) || part.definition->term == in.term);
     if (!in_its_place) rest.set(part.definition, part.parameters);
   }
   effects::remove_replaced(in, rest);

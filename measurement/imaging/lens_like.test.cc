@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "effects/questions.h"
 #include "effects/registry.h"
 #include "effects/stages/geometry.h"
 
@@ -52,6 +53,22 @@ TEST(LensLike, APolynomialThatMapsAsARationalLensDoes) {
   ASSERT_TRUE(values);
   EXPECT_NEAR((*values)[0], -0.3, 2e-3);
   EXPECT_NEAR((*values)[1], 0.03, 5e-3);
+}
+
+TEST(LensLike, SplinesThatMapAsABarrelLensThatIsOffItsAxisDoes) {
+  const effects::Model plain = with("pinhole", {500, 500, 319.5, 239.5}, {});
+  const effects::Model barrel = with("tangential_distortion", {0.002, -0.001},
+                                     with("radial_polynomial", {-0.3, 0.08, 0}, plain));
+  const auto splines = effects::any_lens();
+  const auto values = spline_lens_like(barrel, *splines, 640, 480);
+  ASSERT_TRUE(values);
+  // Of the rays at the sides of the image, tan 32.5 degrees without distortion.
+  EXPECT_GT((*values)[0], 65);
+  EXPECT_LT((*values)[0], 80);
+  const effects::Model found = with(splines->name, *values, plain);
+  // What focal length, centre and poses would have to do is left.
+  EXPECT_LT(lens_difference_px(barrel, found, 640, 480), 5);
+  EXPECT_GT(lens_difference_px(barrel, plain, 640, 480), 10);
 }
 
 }  // namespace

@@ -174,8 +174,8 @@ void doubt_single_groups(const Problem& problem, const Assessment& best, const E
 bool can_be_missed(const Model& model, const std::string& effect) {
   const EffectDefinition& record = *model.find(effect)->definition;
   return record.has_neutral && record.companions.empty() && record.base == effects::Base::none &&
-         record.replaces_base == effects::Base::none &&
-         record.replaces_term == effects::Term::none && !effects::has_dependents(model, effect);
+         record.replaces_base == effects::Base::none && record.replaces_terms.empty() &&
+         !effects::has_dependents(model, effect);
 }
 
 bool is_at_bound(const effects::Parameter& parameter, double value) {

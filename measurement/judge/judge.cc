@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "effects/questions.h"
 #include "effects/registry.h"
 #include "measurement/judge/material.h"
 #include "measurement/numerics/regression.h"
@@ -151,7 +152,7 @@ size_t fitted_parameters(const Grown& grown) {
 }
 
 bool is_lens(const EffectDefinition& effect) {
-  return effect.term == effects::Term::radial || effect.replaces_term == effects::Term::radial;
+  return effect.term == effects::Term::radial || effects::replaces(effect, effects::Term::radial);
 }
 
 bool are_lenses(const EffectDefinition& one, const EffectDefinition& other) {

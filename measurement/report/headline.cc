@@ -9,6 +9,7 @@
 
 #include "measurement/judge/decisions.h"
 #include "measurement/report/told.h"
+#include "measurement/report/unnamed/unnamed_told.h"
 #include "measurement/search/order.h"
 
 namespace seam::measurement {
@@ -77,7 +78,7 @@ std::string unnamed_text(const SearchResult& result) {
              fmt::join(functions, ", and on "), two_digits(cause.noise_units),
              functions.size() == 1 ? "a smooth function lowers" : "smooth functions lower",
              cause.error_before, cause.error_after) +
-         formula_sentence(result) + mimics_text(result);
+         formula_sentence(result) + splines_sentence(result) + mimics_text(result);
 }
 
 // What a step has to move to be missing for sure: beside a cause without a name many times as much

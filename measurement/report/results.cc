@@ -10,6 +10,7 @@
 #include "measurement/report/target_told.h"
 #include "measurement/report/told.h"
 #include "measurement/report/trust/trust.h"
+#include "measurement/report/unnamed/unnamed_told.h"
 #include "measurement/search/kept.h"
 #include "measurement/search/looked_for.h"
 
@@ -237,7 +238,7 @@ std::string diagnose_text(const Problem& problem, const SearchResult& result,
   text += fmt::format("verdict: {}\n", result.verdict);
   if (!result.mimics.empty())
     text += fmt::format("may only imitate the unknown cause: {}\n", fmt::join(result.mimics, ", "));
-  text += formula_text(result);
+  text += formula_text(result) + splines_text(result);
   text += candidates_text(result.first.candidates);
   const auto& structure = unexplained ? result.remaining : result.base_structure;
   if (!structure.empty()) {
@@ -274,7 +275,7 @@ std::string discover_text(const Problem& problem, const SearchResult& result,
   if (!result.mimics.empty())
     text += fmt::format("  not added, since an unknown cause explains more: {}\n",
                         fmt::join(result.mimics, ", "));
-  text += formula_text(result);
+  text += formula_text(result) + splines_text(result);
   for (const KeptTrace& kept : result.kept) {
     text +=
         fmt::format("  kept, a trace: {}   {}; without it {} would be {:.0f} standard errors off\n",

@@ -9,6 +9,7 @@
 #include "measurement/report/results.h"
 #include "measurement/report/target_told.h"
 #include "measurement/report/trust/trust_json.h"
+#include "measurement/report/unnamed/unnamed_told.h"
 #include "measurement/search/kept.h"
 #include "measurement/search/looked_for.h"
 #include "measurement/search/order.h"
@@ -239,29 +240,6 @@ std::string compare_json(const Problem& problem, const CompareResult& result,
   add_notes(json, problem, result.base.assessment.model);
   add_figures(json, problem, result.base.assessment);
   return dumped(json);
-}
-
-// Causes without a name that explain the set better than the effects that imitate them.
-void add_unnamed(ordered_json& json, const SearchResult& result) {
-  json["noise_of_unknown_cause"] = noises_of_unknown_cause(result);
-  if (const auto& formula = result.suggestion)
-    json["suggestion"] = {{"effect", formula->effect},
-                          {"formula", formula->formula},
-                          {"error", finite_or_null<ordered_json>(formula->error)},
-                          {"error_before", finite_or_null<ordered_json>(formula->error_before)},
-                          {"terms", formula->terms},
-                          {"beside", formula->beside},
-                          {"mimics", result.mimics},
-                          {"yaml", formula->yaml}};
-  if (!result.unnamed) return;
-  const UnnamedCause& cause = *result.unnamed;
-  json["unnamed_cause"] = {{"depends_on", cause.depends_on},
-                           {"noise_units", cause.noise_units},
-                           {"takes", cause.takes},
-                           {"error_before", cause.error_before},
-                           {"error_after", cause.error_after},
-                           {"lead", cause.lead},
-                           {"mimics", result.mimics}};
 }
 
 // What was looked for beside the effects, with what came of it.

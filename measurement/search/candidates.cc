@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include "effects/questions.h"
 #include "effects/registry.h"
 #include "measurement/fitting/foretaste.h"
 #include "measurement/search/told_apart.h"
@@ -88,13 +89,15 @@ std::optional<Fitted> fit_from_starts(const Problem& problem, const Grown& base,
   for (auto& start : starts) {
     for (size_t i = 0; i < std::min(start.size(), effect->parameters.size()); ++i) {
       const bool fitted = std::find(open.begin(), open.end(), i) != open.end();
-      if (!fitted && !effect->parameters[i].integer) start[i] = effect->parameters[i].neutral;
+      // What stays of a lens that can be any stays where the lens before it had it.
+      if (!fitted && !effect->parameters[i].integer && !effects::is_any_lens(*effect))
+        start[i] = effect->parameters[i].neutral;
     }
   }
   const bool counts = has_counts(*effect);
   if (counts && starts.size() > 1) starts = best_counts(problem, base, prospect, starts);
   std::vector<Model> bases = {base.assessment.model};
-  if (!effect->has_neutral && !base.assessment.unknowns.empty())
+  if (!effect->has_neutral && !effects::is_any_lens(*effect) && !base.assessment.unknowns.empty())
     bases.push_back(as_given(bases[0], base.assessment.unknowns, problem.given()));
   std::optional<Fitted> best;
   for (size_t s = 0; s < starts.size() * bases.size(); ++s) {

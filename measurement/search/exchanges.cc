@@ -19,8 +19,7 @@ namespace {
 // none from which a step could tell anything.
 bool may_take_the_place(const EffectDefinition& in, const EffectDefinition& leaving) {
   return leaving.replaces_base == effects::Base::none ||
-         in.replaces_base == leaving.replaces_base ||
-         (in.term != effects::Term::none && in.term == leaving.replaces_term);
+         in.replaces_base == leaving.replaces_base || effects::replaces(leaving, in.term);
 }
 
 // Whether the exchange is another than the one of these two: an effect that pushes out more of what
@@ -166,7 +165,7 @@ std::vector<Exchange> possible_exchanges(const Problem& problem, const Grown& gr
 bool stands_for(const EffectDefinition& leaving, const EffectDefinition& in) {
   if (in.term != effects::Term::radial) return false;
   const bool narrower = in.term == leaving.term && in.parameters.size() < leaving.parameters.size();
-  return in.term == leaving.replaces_term || narrower;
+  return effects::replaces(leaving, in.term) || narrower;
 }
 
 std::optional<size_t> best_exchange(const Problem& problem, const Grown& grown,

@@ -10,6 +10,7 @@
 #include "measurement/fitting/group_scatter.h"
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/search/choice.h"
+#include "measurement/search/empirical_lens.h"
 #include "measurement/search/kept.h"
 #include "measurement/search/order.h"
 #include "measurement/search/told_apart.h"
@@ -379,6 +380,7 @@ SearchResult Searcher::run() {
   give_verdict(problem_, of_base, result);
   while (leave_out_doubted(problem_, result)) give_verdict(problem_, of_base, result);
   if (look_for_formula(problem_, progress_, result)) give_verdict(problem_, of_base, result);
+  hold_against_splines(problem_, progress_, searched, result);
   tell_ties(problem_, by_name, exchanges_, searched, promising_, result);
   rank_by_search(problem_, result);
   widen_by_group_scatter(problem_, kMisfit, result.base.assessment);

@@ -33,6 +33,17 @@ struct KeptTrace {
   double error_after = 0;
 };
 
+// A lens of splines that no lens with a formula reaches (empirical_lens.h).
+struct EmpiricalLens {
+  std::string effect;
+  std::vector<std::string> beside;      // Effects found by the search that it was fitted with.
+  std::vector<std::string> named;       // Of the best model whose lens has a formula: its lens.
+  double lead = 0;                      // Log-evidence ahead of that model.
+  double error = 0, named_error = 0;    // On held-out groups, of both,
+  double rms_px = 0, named_rms_px = 0;  // and in pixels.
+  Assessment assessment;
+};
+
 struct SearchResult {
   Grown base;  // The model given, refitted.
   std::vector<Structure> base_structure;
@@ -49,6 +60,7 @@ struct SearchResult {
   std::optional<UnnamedCause> unnamed;
   std::optional<Suggestion> suggestion;
   std::vector<std::string> mimics;
+  std::optional<EmpiricalLens> splines;
   std::vector<TriedFunction> functions;  // Smooth ones, beside the last step.
   bool formula_sought = false;
   bool ties_sought = false;            // Not where a cause is unexplained.

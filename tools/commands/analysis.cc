@@ -84,8 +84,24 @@ double unexplained_error(const measurement::SearchResult& result) {
   return found < measurement::kMisfit ? found : result.base.assessment.error;
 }
 
-std::string how_to_add(const AnalysisFlags& flags, const std::string& model,
-                       const std::string& suggested, const measurement::SearchResult& result) {
+namespace {
+
+std::string how_to_add_lens(const AnalysisFlags& flags, const std::string& model,
+                            const measurement::SearchResult& result) {
+  if (!result.splines) return "";
+  std::vector<std::string> first;
+  for (const std::string& name : result.splines->beside) {
+    const bool found = model != flags.model && result.best.assessment.model.has(name);
+    if (!found) first.push_back(name);
+  }
+  return fmt::format("to keep the lens of splines: {}seam add {} --model {} --data {} --out {}\n",
+                     first.empty() ? "" : fmt::format("add {}, then ", fmt::join(first, ", ")),
+                     result.splines->effect, model, flags.data, "with_splines.yaml");
+}
+
+std::string how_to_add_formula(const AnalysisFlags& flags, const std::string& model,
+                               const std::string& suggested,
+                               const measurement::SearchResult& result) {
   if (!result.suggestion || result.suggestion->error > measurement::kMisfit) return "";
   const std::string file = suggested.empty() ? "NAME.yaml" : suggested;
   std::string text = "to keep the formula: ";
@@ -98,6 +114,14 @@ std::string how_to_add(const AnalysisFlags& flags, const std::string& model,
         fmt::format("add {} (seam discover), then ", fmt::join(result.suggestion->beside, ", "));
   return text + fmt::format("seam add {} --model {} --data {} --out with_NAME.yaml\n", file, model,
                             flags.data);
+}
+
+}  // namespace
+
+std::string how_to_add(const AnalysisFlags& flags, const std::string& model,
+                       const std::string& suggested, const measurement::SearchResult& result) {
+  return how_to_add_formula(flags, model, suggested, result) +
+         how_to_add_lens(flags, model, result);
 }
 
 AnalysisOutputs::AnalysisOutputs(const AnalysisFlags& flags, const std::string& out_file) {

@@ -24,7 +24,8 @@ EffectDefinition fisheye() {
       .example = "fisheye: {k1: -0.02, k2: 0.001}",
       .has_neutral = false,
       .replaces_base = Base::projection,
-      .replaces_term = Term::radial,
+      .term = Term::angular,
+      .replaces_terms = {Term::radial},
       .needs = {Need::wide_view},
       .starts = {{kPoints, StartSearch::listed, {{0, 0, 0, 0}}}},
       .geometry =

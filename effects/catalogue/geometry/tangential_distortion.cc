@@ -24,6 +24,7 @@ EffectDefinition tangential_distortion() {
       .formula = "x + 2 p1 x y + p2 (r2 + 2 x^2), y + p1 (r2 + 2 y^2) + 2 p2 x y",
       .signature = "one-sided, quadratic",
       .example = "tangential_distortion: {p1: 0.004}",
+      .term = Term::one_sided,
       .geometry =
           [](Values p, ImagePoint& point) {
             const double x = point.x, y = point.y;

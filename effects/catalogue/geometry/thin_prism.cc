@@ -19,6 +19,7 @@ EffectDefinition thin_prism() {
       .formula = "x + s1 r2 + s2 r2^2, y + s3 r2 + s4 r2^2",
       .signature = "one-sided, grows with the square of the radius",
       .example = "thin_prism: {s1: 0.001}",
+      .term = Term::one_sided,
       .geometry =
           [](Values p, ImagePoint& point) {
             const double r2 = point.x * point.x + point.y * point.y;

@@ -91,7 +91,7 @@ EffectDefinition motor_servo() {
       .has_neutral = false,
       .base = Base::motor,
       .replaces_base = Base::servo,
-      .replaces_term = Term::kinematic,
+      .replaces_terms = {Term::kinematic},
       .companions = {"gravity_torque"},
       .starts = {{kJoints, StartSearch::motion, coarse_look()}},
       .advice = {{kJoints,

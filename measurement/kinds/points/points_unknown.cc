@@ -269,6 +269,15 @@ double PointsProblem::reach_rad(const Model& model, int camera) const {
 // the same image. A lens of all cameras is told by the first.
 std::vector<std::vector<double>> PointsProblem::starts(
     const Model& model, const effects::EffectDefinition& effect) const {
+  if (effects::is_any_lens(effect)) {
+    // The poses of views must be free to take what its control points leave to them.
+    const bool told =
+        data_.rig.type() == Rig::Type::unknown && !moves() && data_.cameras.size() == 1;
+    const CameraView& only = data_.cameras.front();
+    const auto like =
+        told ? spline_lens_like(model, effect, only.width_px, only.height_px) : std::nullopt;
+    return like ? std::vector<std::vector<double>>{*like} : std::vector<std::vector<double>>{};
+  }
   if (effect.term != effects::Term::radial || data_.rig.type() != Rig::Type::unknown || moves())
     return Problem::starts(model, effect);
   const std::string name = effects::camera_of(effect.name);
