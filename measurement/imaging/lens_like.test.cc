@@ -62,9 +62,9 @@ TEST(LensLike, SplinesThatMapAsABarrelLensThatIsOffItsAxisDoes) {
   const auto splines = effects::any_lens();
   const auto values = spline_lens_like(barrel, *splines, 640, 480);
   ASSERT_TRUE(values);
-  // Of the rays at the sides of the image, tan 32.5 degrees without distortion.
+  // Without distortion 65.2 degrees from side to side; rows ask for more.
   EXPECT_GT((*values)[0], 65);
-  EXPECT_LT((*values)[0], 80);
+  EXPECT_LT((*values)[0], 100);
   const effects::Model found = with(splines->name, *values, plain);
   // What focal length, centre and poses would have to do is left.
   EXPECT_LT(lens_difference_px(barrel, found, 640, 480), 5);

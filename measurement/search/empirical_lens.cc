@@ -25,6 +25,12 @@ double rms_of(const Assessment& assessment) {
   return std::sqrt(sum2 / static_cast<double>(assessment.held.native.size()));
 }
 
+double noise_px(const Problem& problem) {
+  double sum2 = 0;
+  for (const Channel& channel : problem.facts().channels) sum2 += channel.noise * channel.noise;
+  return std::sqrt(sum2 / static_cast<double>(problem.facts().channels.size()));
+}
+
 }  // namespace
 
 void hold_against_splines(const Problem& problem, const Progress& progress, const Grown& searched,
@@ -51,7 +57,10 @@ void hold_against_splines(const Problem& problem, const Progress& progress, cons
   // Where something is left that is no noise, evidence is too sure.
   const double misfit = std::max(1.0, with.error * with.error);
   const double lead = (merit_of(problem, best->grown) - merit_of(problem, searched)) / misfit;
-  if (!(lead > kUnnamedWidth) || !(with.held_ll() > named.held_ll())) return;
+  const double more_px2 = std::pow(rms_of(named), 2) - std::pow(rms_of(with), 2);
+  if (!(lead > kUnnamedWidth) || !(with.held_ll() > named.held_ll()) ||
+      !(more_px2 > std::pow(result.material * noise_px(problem), 2)))
+    return;
   result.splines = EmpiricalLens{.effect = splines->name,
                                  .lead = lead,
                                  .error = with.error,

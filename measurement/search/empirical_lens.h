@@ -9,7 +9,8 @@ namespace seam::measurement {
 
 // Fits it beside what is left of the steps, or beside all that the search had found, whichever
 // explains more; `result.splines` holds it where its log-evidence is ahead of `searched`, the best
-// explanation by named effects alone, and held-out groups agree.
+// explanation by named effects alone, and held-out groups agree that what all formulas leave is
+// material.
 void hold_against_splines(const Problem& problem, const Progress& progress, const Grown& searched,
                           SearchResult& result);
 

@@ -11,6 +11,7 @@
 
 #include "effects/registry.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/search/empirical_lens.h"
 #include "measurement/search/exchanges.h"
 #include "measurement/search/models/add_effects.h"
 #include "measurement/search/models/compare.h"
@@ -60,6 +61,13 @@ Pixel decentred(double x, double y, double z) {
   const Pixel plain = quotient(x, y, z);
   return {plain.u_px + kFocal_px * (2 * p1 * a * b + p2 * (3 * a * a + b * b)),
           plain.v_px + kFocal_px * (p1 * (a * a + 3 * b * b) + 2 * p2 * a * b)};
+}
+
+// The barrel, moulded a little crooked: waves over the image that no formula of a lens has.
+Pixel crooked(double x, double y, double z) {
+  const Pixel drawn = barrel(x, y, z);
+  const double a = (drawn.u_px - 300) / 100, b = (drawn.v_px - 260) / 90;
+  return {drawn.u_px + 3 * std::sin(a + 0.4 * b), drawn.v_px + 3 * std::cos(b - 0.3 * a)};
 }
 
 struct BoardViews {
@@ -170,8 +178,8 @@ TEST(Boards, ARationalLensTakesThePlaceOfTheFisheye) {
 }
 
 // The nominal model with lenses added one after the other.
-Grown with_effects(Problem& problem, const std::vector<std::string>& names) {
-  const Model nominal = free_pinhole(1280, 800);
+Grown with_effects(Problem& problem, const std::vector<std::string>& names,
+                   const Model& nominal = free_pinhole(1280, 800)) {
   problem.check_model(nominal);
   problem.prepare(nominal);
   Grown grown{.assessment = assess(problem, nominal, refitted_unknowns(nominal))};
@@ -185,6 +193,28 @@ Grown with_effects(Problem& problem, const std::vector<std::string>& names) {
 }
 
 // A polynomial and a quotient side by side: their values cannot be told, those of one can.
+// An empirical lens is compared with the best that has a formula, and named where that leaves more.
+TEST(Boards, ALensOfSplinesIsNamedWhereNoFormulaOfALensFits) {
+  const auto held = [](Pixel (*lens)(double, double, double), const std::string& name) {
+    BoardViews views = small(name, 21);
+    views.lens = lens, views.views = 24, views.noise = "noise: {u_px: 0.2, v_px: 0.2}\n";
+    const auto problem = open_problem(board_views(views));
+    SearchResult result{.material = kMaterial};
+    result.best = with_effects(*problem, {"radial_distortion"}, free_pinhole(640, 480));
+    result.unnamed = UnnamedCause{.depends_on = {{"row", "column"}}};
+    hold_against_splines(
+        *problem, [](const std::string&) {}, result.best, result);
+    return result.splines;
+  };
+  const auto odd = held(crooked, "crooked-lens");
+  ASSERT_TRUE(odd);
+  EXPECT_EQ(odd->effect, "spline_lens");
+  EXPECT_EQ(odd->named, std::vector<std::string>{"radial_distortion"});
+  EXPECT_LT(odd->rms_px, 1.15 * kNoise_px);
+  EXPECT_GT(odd->named_rms_px, 3 * odd->rms_px);
+  EXPECT_FALSE(held(barrel, "straight-lens"));
+}
+
 TEST(Boards, TwoFormsOfOneLensAreToldAsTheWider) {
   const auto problem = open_problem(board_views({.name = "two-lenses", .lens = quotient}));
   const Grown both = with_effects(*problem, {"radial_polynomial", "rational_lens"});
