@@ -74,12 +74,15 @@ TEST(OpenGl, AgreesOnSharpScenesOfManySamples) {
 }
 
 // A lens whose rays have no common plane: the sides of a cube, each drawn for itself.
-TEST(OpenGl, AgreesBehindAFisheye) {
-  const effects::Model model = model_of(
-      "  pinhole: {fx_px: 85, fy_px: 85, cx_px: 88.5, cy_px: 71.5}\n  fisheye: {k1: -0.02}\n"
-      "  rolling_shutter: {line_delay_s: 2.78e-4}\n  exposure: {exposure_s: 0.005}\n");
-  expect_agreement(
-      compare("fisheye", model, job_of(cases()[0].scene, model, kHeight, 0), 512, 200));
+TEST(OpenGl, AgreesBehindAFisheyeAndALensOfSplines) {
+  for (const std::string lens :
+       {"fisheye: {k1: -0.02}", "spline_lens: {fov_x_deg: 106, x_2_3: 0.05, y_3_4: -0.04}"}) {
+    const effects::Model model =
+        model_of("  pinhole: {fx_px: 85, fy_px: 85, cx_px: 88.5, cy_px: 71.5}\n  " + lens +
+                 "\n  rolling_shutter: {line_delay_s: 2.78e-4}\n  exposure: {exposure_s: 0.005}\n");
+    expect_agreement(
+        compare(lens.c_str(), model, job_of(cases()[0].scene, model, kHeight, 0), 512, 200));
+  }
 }
 
 TEST(OpenGl, GroundTruthAgrees) {

@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
+#include <tuple>
 
 #include "render/renderer.h"
 #include "render/test_scenes.h"
@@ -108,6 +110,30 @@ TEST(EffectImages, Fisheye) {
                                            0.02 * std::pow(a, 6) + 0.01 * std::pow(a, 8));
                   return ideal(x * lies / r, y * lies / r);
                 });
+}
+
+// A cubic B-spline by the recursion of Cox and de Boor, over knots at whole numbers.
+double bump(int i, int degree, double at) {
+  if (degree == 0) return i <= at && at < i + 1 ? 1 : 0;
+  return ((at - i) * bump(i, degree - 1, at) +
+          (i + degree + 1 - at) * bump(i + 1, degree - 1, at)) /
+         degree;
+}
+
+TEST(EffectImages, LensOfSplines) {
+  expect_places(
+      kPinhole +
+          "  spline_lens: {fov_x_deg: 70, x_2_3: 0.05, y_3_4: -0.04, x_1_1: 0.03, y_4_6: 0.05}\n",
+      [](double x, double y) {
+        const double to_plane = 2 / (1 + std::sqrt(1 + x * x + y * y));
+        const double apart = 4 * std::tan(70 * std::numbers::pi / 180 / 4) / 5;
+        double place[] = {to_plane * x, to_plane * y};
+        const double column = place[0] / apart + 3.5, row = place[1] / apart + 2.5;
+        for (const auto& [r, c, part, value] :
+             {std::tuple{2, 3, 0, 0.05}, {3, 4, 1, -0.04}, {1, 1, 0, 0.03}, {4, 6, 1, 0.05}})
+          place[part] += value * bump(c - 2, 3, column) * bump(r - 2, 3, row);
+        return ideal(place[0], place[1]);
+      });
 }
 
 TEST(EffectImages, FocalLengthAndPrincipalPoint) {
