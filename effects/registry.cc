@@ -43,6 +43,7 @@
   X(mount_sag)                \
   X(encoder_quantisation)     \
   X(joint_wander)             \
+  X(command_jitter)           \
   X(backlash)                 \
   X(mount_misalignment)       \
   X(mount_offset)             \

@@ -563,6 +563,8 @@ PROOFS = [
     ("pose_noise", [0.04, 0.05, 2, 0.5], [("vx_mps", 0.2), ("omega_radps", 1), ("for_s", 2)],
      {"pose_xy_sigma_m": "p[0] * 1.9", "pose_theta_sigma_rad": "p[1] * 1.9"}),
     # Noise that is not white, of other kinds.
+    ("command_jitter", [0.003], [], {"command_sigma_s": "p[0]", "joint_covariance_rad2": "0"}),
+    ("command_jitter", [0.02], [], {"command_sigma_s": "p[0]"}),
     ("joint_wander", [0.004, 0.5], [("lag_s", 0.25)], {"joint_covariance_rad2": "p[0]**2 * math.exp(-lag_s / p[1])"}),
     ("point_scatter", [0.03, 1.5], [("x_m", 0.1), ("z_m", 1)], {"scatter_variance_px2": "p[0] * p[1]**2"}),
     ("point_scatter", [0.2, 4], [("x_m", 0.1), ("z_m", 1)], {"scatter_variance_px2": "p[0] * p[1]**2"}),

@@ -118,6 +118,7 @@ Quantities joint_outcome(const Model& model, const Quantities& given) {
   out.push_back({"effort_nm", effort.of_torque(inertia_kg_m2 * servo.drive_rad_per_s2())});
   out.push_back(
       {"joint_covariance_rad2", covariance_of(noise_of(model).joint, value_of(given, "lag_s"))});
+  out.push_back({"command_sigma_s", noise_of(model).command_sigma_s});
   return out;
 }
 

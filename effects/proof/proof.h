@@ -12,7 +12,7 @@
 //                logged_tilt_rad, logged_pan_rad, logged_roll_rad (series of the encoder's log)
 //                -> tilt_rad, pan_rad, roll_rad after it; rounding_sigma_rad
 //                true_pan_rad -> logged_pan_rad; likewise tilt, roll
-//                lag_s [0] -> joint_covariance_rad2 of the log's error
+//                lag_s [0] -> joint_covariance_rad2 of the log's error; command_sigma_s
 //   mount        x_m, y_m, z_m in the camera -> link_x_m, link_y_m, link_z_m
 //   geometry,    x_m, y_m, z_m in the camera, channel [1: green], t_s [0] -> u_px, v_px,
 //   corner_      scatter_variance_px2; with fx_px 160, fy_px 162, cx_px 88.5, cy_px 71.5

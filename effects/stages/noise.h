@@ -89,6 +89,7 @@ struct Noise {
   double place_variance = 0;    // Of each landmark's x and of its y in the map, in all runs.
   std::vector<Wander> heading;  // Shared by all bearings of a run.
   std::vector<Wander> joint;    // Of a logged joint.
+  double command_sigma_s = 0;   // Of the time at which each of its commands acts.
   Few range_tail;               // Ranges that are too long by an exponential.
   Few point_scatter;            // Points with a further normal error.
   std::vector<MovingNoise> pose;

@@ -351,14 +351,6 @@ Servo::Servo(ServoModel model, double t_s, double joint_rad)
   input_.command_rad = joint_rad;
 }
 
-void Servo::command(double t_s, double command_rad, bool enabled, double kp) {
-  if (next_ > 64) {
-    queue_.erase(queue_.begin(), queue_.begin() + static_cast<std::ptrdiff_t>(next_));
-    next_ = 0;
-  }
-  queue_.push_back({t_s + model_.latency_s, command_rad, enabled, kp});
-}
-
 void Servo::begin_moving(double radps, double command_rad, bool enabled, double kp) {
   state_.motor_radps = state_.elastic.w_radps = radps;
   begun_ = true;

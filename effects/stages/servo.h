@@ -124,6 +124,11 @@ class Servo {
   // motion shows where one goes on so and another as it was.
   void nudge(double rad, double radps, double rad_per_s2);
 
+  // When the last command acts that has not yet and does so before `until_s`; NaN: there is none.
+  double last_acting(double until_s) const;
+  // The commands that act until then act so much later.
+  void shift_commands(double until_s, double by_s);
+
   // Moves to `t_s`, to just before commands that act at that very time (within a nanosecond).
   void advance_to(double t_s);
 

@@ -286,7 +286,8 @@ std::vector<double> predict_joint_log(
     const double rate = k == 0 ? 0 : (q - before) / (log.time_s[k] - log.time_s[k - 1]);
     angles[k] = shown(q, rate, joint.acting_command_rad(), k);
     before = q;
-    joint.command(log.time_s[k], log.command_rad[k], log.enabled[k] != 0, log.kp[k]);
+    const double late_s = log.late_s.empty() ? 0 : log.late_s[k];
+    joint.command(log.time_s[k] + late_s, log.command_rad[k], log.enabled[k] != 0, log.kp[k]);
     joint.set_voltage(log.voltage[k]);
     joint.set_warmer(log.warmer_k[k]);
     if (at_row) at_row(k, joint);

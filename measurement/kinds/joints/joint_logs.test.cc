@@ -1,12 +1,14 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <functional>
 
 #include "measurement/kinds/joints/joints.h"
+#include "measurement/kinds/joints/joints_testing.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
 #include "sim_core/base/random.h"
@@ -179,6 +181,60 @@ TEST(JointLogs, TheOnlyRunWhoseDutyMaySaturateTrains) {
   const Groups& held = problem.folds()[0];
   EXPECT_EQ(std::count(held.begin(), held.end(), 1), 4);
   EXPECT_FALSE(held[4]);
+}
+
+// A lag's answer to a command is an exponential: each sample's error is a sum over the commands
+// before it of change / tau * exp(-age / tau), times their draws.
+TEST(JointLogs, LateCommandsAreWhitenedAsByTheWholeCovarianceOfALag) {
+  constexpr double kTau_s = 0.05, kLatency_s = 0.005, kSigma_s = 0.001, kNoise_rad = 0.0005;
+  const Model truth = model_of(
+      "  ideal_servo: {}\n  servo_lag: {tau_s: 0.05}\n  servo_latency: {latency_s: 0.005}\n"
+      "  command_jitter: {sigma_s: 0.001}\n");
+  const MadeSet set("late_commands", /*releases=*/false);
+  const JointsProblem problem = set.made_by(truth, 7);
+  const Evaluation here = problem.evaluate(truth, problem.all_groups(), nullptr);
+  const JointLogs logs = read_joint_logs(
+      MeasurementSet::open(std::filesystem::path(testing::TempDir()) / "late_commands" / "made")
+          .table("joints"),
+      "run", true);
+  double chi2 = 0, whole_chi2 = 0, white_chi2 = 0;
+  for (const JointLog& log : logs.logs) {
+    const auto n = static_cast<Eigen::Index>(log.rows.size());
+    Eigen::MatrixXd by_draw = Eigen::MatrixXd::Zero(n, n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const double before = k == 0 ? log.measured_rad[0] : log.command_rad[k - 1];
+      for (Eigen::Index j = k + 1; j < n; ++j) {
+        const double age_s = log.time_s[j] - log.time_s[k] - kLatency_s;
+        by_draw(j, k) = (log.command_rad[k] - before) / kTau_s * std::exp(-age_s / kTau_s);
+      }
+    }
+    const Eigen::MatrixXd whole = kSigma_s * kSigma_s * by_draw * by_draw.transpose() +
+                                  kNoise_rad * kNoise_rad * Eigen::MatrixXd::Identity(n, n);
+    Eigen::VectorXd residual(n);
+    for (Eigen::Index k = 0; k < n; ++k) residual[k] = here.residual[log.rows[k]];
+    whole_chi2 += residual.dot(whole.llt().solve(residual));
+    white_chi2 += residual.squaredNorm() / (kNoise_rad * kNoise_rad);
+    for (const size_t row : log.rows) chi2 += here.whitened[row] * here.whitened[row];
+  }
+  EXPECT_NEAR(chi2, whole_chi2, 0.01 * whole_chi2);
+  const double rows = 6 * 300;
+  EXPECT_NEAR(chi2, rows, 4 * std::sqrt(2 * rows));
+  EXPECT_GT(white_chi2, 5 * rows);
+}
+
+// As it is made, its size is found, beside the values of the mean.
+TEST(JointLogs, TheScatterOfCommandsHasItsSize) {
+  const std::string motor =
+      "  motor_servo: {stall_rad_per_s2: 800, back_emf_per_s: 20, gain: 0.25}\n"
+      "  servo_latency: {latency_s: 0.005}\n";
+  const MadeSet set("late_size", /*releases=*/false);
+  const JointsProblem problem =
+      set.made_by(model_of(motor + "  command_jitter: {sigma_s: 0.0015}\n"), 9);
+  const Model start =
+      model_of(motor + "  command_jitter: {sigma_s: {value: 0.0005, free: true}}\n");
+  const Fit fit = fitted_to_all(problem, start);
+  EXPECT_NEAR(fit.value[0], 0.0015, 3.5 * fit.sigma[0]);
+  EXPECT_LT(fit.sigma[0], 0.0005);
 }
 
 }  // namespace

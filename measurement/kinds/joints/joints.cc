@@ -46,6 +46,7 @@ JointsProblem::JointsProblem(const MeasurementSet& set) {
     throw InputError(fmt::format("{}: no rows, expected observations", table.file()));
   set_ = read_joint_logs(table, set.group, true);
   predictions_.emplace(set_.logs.size());
+  late_steps_.emplace(set_.logs.size());
   describe(set, table);
   facts_.notes = notes_of_joint_logs(table);
   add_efforts(table, set);
@@ -208,7 +209,7 @@ Evaluation JointsProblem::evaluate(const Model& model, const Groups& groups,
   } else {
     bound_chances(evaluation);
   }
-  whiten_wander(effects::noise_of(model), groups, evaluation);
+  whiten_wander(model, groups, evaluation);
   auto told = evaluation.nuisance_values.begin();
   for (const JointLog& log : set_.logs) {
     const size_t group = facts_.group_of_row[log.rows[0]];
@@ -219,8 +220,10 @@ Evaluation JointsProblem::evaluate(const Model& model, const Groups& groups,
   return evaluation;
 }
 
-void JointsProblem::whiten_wander(const effects::Noise& noise, const Groups& groups,
+void JointsProblem::whiten_wander(const Model& model, const Groups& groups,
                                   Evaluation& evaluation) const {
+  const effects::Noise noise = effects::noise_of(model);
+  if (noise.command_sigma_s > 0) return whiten_late_commands(model, noise, groups, evaluation);
   if (noise.joint.empty()) return;
   HiddenErrors errors;
   for (const JointLog& log : set_.logs) {

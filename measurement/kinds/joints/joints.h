@@ -12,6 +12,7 @@
 #include "effects/stages/joint_track.h"
 #include "effects/stages/servo.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/noise/driven_errors.h"
 #include "measurement/noise/rounded_angle.h"
 #include "measurement/problem/memo.h"
 #include "measurement/problem/problem.h"
@@ -33,6 +34,7 @@ struct JointLog {
   std::vector<double> kp;                    // Of the controller; 1 where the log has none.
   std::vector<double> voltage;               // Over the median of the set; likewise.
   std::vector<double> warmer_k;              // Than in the median row; 0 without a column.
+  std::vector<double> late_s;                // By how much each command acts late; empty: none.
   double start_radps = 0;                    // Not 0 where the log clearly begins in motion.
   std::vector<std::vector<double>> columns;  // Extra numeric columns by their place in the set.
 };
@@ -220,8 +222,10 @@ class JointsProblem : public Problem {
                        Evaluation& evaluation) const;
   // By row: a channel's residuals, which of the neighbours stand out of, and how far.
   std::vector<double> out_of_neighbours(const Evaluation& evaluation) const;
-  void whiten_wander(const effects::Noise& noise, const Groups& groups,
-                     Evaluation& evaluation) const;
+  // Errors that wander, and those of commands that act early or late.
+  void whiten_wander(const Model& model, const Groups& groups, Evaluation& evaluation) const;
+  void whiten_late_commands(const Model& model, const effects::Noise& noise, const Groups& groups,
+                            Evaluation& evaluation) const;
 
   void look_for_steps();
   void mark_shared_errors();
@@ -248,6 +252,7 @@ class JointsProblem : public Problem {
   std::vector<int> effort_scalar_;
   // By log. A fit of a spread, a score after a fit and a structure test ask for the same.
   std::optional<Memo<Prediction>> predictions_;
+  std::optional<Memo<std::vector<DrivenStep>>> late_steps_;
   double lattice_rad_ = 0;       // All measured angles are multiples of this; 0: of nothing coarse.
   double behind_steps_rad_ = 0;  // The noise before it is rounded to them, at most.
   std::vector<RoundedAngle> roundings_;  // With less and less of it; one where the set states it.

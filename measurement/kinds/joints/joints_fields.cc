@@ -50,6 +50,34 @@ Response response_until(const effects::Servo& joint, double dt_s, double t_s, do
   return r;
 }
 
+// The same, and what a command that acts between makes of both if it acts later, by the time and by
+// its square.
+DrivenStep step_until(const effects::Servo& joint, double dt_s, double t_s, double by_rad) {
+  constexpr double kShift = 0.05;  // Of the time between rows.
+  effects::Servo as_it_is = joint;
+  as_it_is.advance_to(t_s);
+  DrivenStep step;
+  std::tie(step.q_of_q, step.w_of_q) = change_after(joint, as_it_is, t_s, by_rad, 0, 0);
+  std::tie(step.q_of_w, step.w_of_w) = change_after(joint, as_it_is, t_s, 0, by_rad / dt_s, 0);
+  const double acts_s = joint.last_acting(t_s);
+  if (!std::isfinite(acts_s)) return step;
+  // Towards where it still acts before the row.
+  const double by_s = acts_s + 2 * kShift * dt_s < t_s ? kShift * dt_s : -kShift * dt_s;
+  const auto shifted = [&](double shift_s) {
+    effects::Servo moved = joint;
+    moved.shift_commands(acts_s, shift_s);
+    moved.advance_to(t_s);
+    return std::pair(moved.state().motor_rad - as_it_is.state().motor_rad,
+                     moved.state().motor_radps - as_it_is.state().motor_radps);
+  };
+  const auto once = shifted(by_s), twice = shifted(2 * by_s);
+  step.q_of_draw = (4 * once.first - twice.first) / (2 * by_s);
+  step.w_of_draw = (4 * once.second - twice.second) / (2 * by_s);
+  step.q_of_square = (twice.first - 2 * once.first) / (2 * by_s * by_s);
+  step.w_of_square = (twice.second - 2 * once.second) / (2 * by_s * by_s);
+  return step;
+}
+
 // Pushes at the rows become the changes of angle that they make, from where each log starts.
 void push(const std::vector<PushedLog>& logs, Values& column) {
   for (const PushedLog& log : logs) {
@@ -140,6 +168,40 @@ std::vector<FieldPlace> JointsProblem::field_places(const Model& model,
   return all;
 }
 
+// Of an elastic joint angle and rate are not the whole state: there the time of commands shows
+// nothing.
+void JointsProblem::whiten_late_commands(const Model& model, const effects::Noise& noise,
+                                         const Groups& groups, Evaluation& evaluation) const {
+  if (effects::servo_of(model).elastic.present()) return;
+  const double noise_rad = facts_.channels[0].noise;
+  std::vector<size_t> used;
+  for (size_t i = 0; i < set_.logs.size(); ++i) {
+    if (groups[facts_.group_of_row[set_.logs[i].rows[0]]]) used.push_back(i);
+  }
+  std::vector<std::shared_ptr<const std::vector<DrivenStep>>> steps(used.size());
+  parallel_for(used.size(), [&](size_t at) {
+    const JointLog& log = set_.logs[used[at]];
+    const double* start = &evaluation.nuisance_values.at(kStartValues * at);
+    Values key = mean_parameters(model);
+    key.insert(key.end(), {start[0], start[1]});
+    steps[at] = late_steps_->of(used[at], key, [&] {
+      std::vector<DrivenStep> made;
+      predict_joint_log(model, set_, log, log.measured_rad.front() + start[0],
+                        log.start_radps + start[1], [&](size_t k, const effects::Servo& joint) {
+                          if (k + 1 < log.rows.size())
+                            made.push_back(step_until(joint, log.time_s[k + 1] - log.time_s[k],
+                                                      log.time_s[k + 1], noise_rad));
+                        });
+      return made;
+    });
+  });
+  for (size_t at = 0; at < used.size(); ++at) {
+    const JointLog& log = set_.logs[used[at]];
+    whiten_driven(facts_, log.rows, log.time_s, *steps[at], noise.command_sigma_s, noise.joint,
+                  evaluation);
+  }
+}
+
 // An error that wanders is whitened in a column as it is in the residuals: a function of what the
 // joint does is separated from it.
 std::vector<std::vector<double>> JointsProblem::following(
@@ -147,6 +209,7 @@ std::vector<std::vector<double>> JointsProblem::following(
     std::vector<std::vector<double>> columns) const {
   const effects::Noise noise = effects::noise_of(model);
   const auto [sigma, rounded] = reading_of(model);
+  if (noise.command_sigma_s > 0) return {};
   if (noise.joint.empty() || rounded)
     return Problem::following(model, groups, here, std::move(columns));
   Evaluation made;
@@ -155,7 +218,7 @@ std::vector<std::vector<double>> JointsProblem::following(
     for (size_t i = 0; i < made.residual.size(); ++i) made.residual[i] *= here.sigma[i];
     set_sigma(sigma, made);
     whiten_diagonal(*this, groups, made);
-    whiten_wander(noise, groups, made);
+    whiten_wander(model, groups, made);
     column = std::move(made.whitened);
   }
   return columns;

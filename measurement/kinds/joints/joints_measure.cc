@@ -1,5 +1,7 @@
 // `seam measure` for servo logs: the protocol's commands through the model's own solvers.
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "measurement/kinds/joints/joints.h"
@@ -41,6 +43,18 @@ class MadeEfforts {
   std::vector<double> values_;
 };
 
+// A log whose commands act early or late, in their order, and none before it is given.
+JointLog with_late_commands(JointLog log, double sigma_s, double latency_s,
+                            const RandomStream& random) {
+  double last_s = -std::numeric_limits<double>::infinity();
+  for (size_t k = 0; k < log.rows.size(); ++k) {
+    const double late_s = std::max(-latency_s, sigma_s * normal(random, log.rows[k]));
+    last_s = std::max(last_s, log.time_s[k] + late_s);
+    log.late_s.push_back(last_s - log.time_s[k]);
+  }
+  return log;
+}
+
 }  // namespace
 
 void measure_joints(const Model& truth, const MeasurementSet& protocol,
@@ -55,7 +69,11 @@ void measure_joints(const Model& truth, const MeasurementSet& protocol,
   const RandomStream of_efforts = random.child("effort");
   MadeEfforts efforts(truth, protocol, table);
   std::vector<double> measured(table.rows(), 0), drives;
-  for (const JointLog& log : set.logs) {
+  const double late_s = options.noise ? effects::noise_of(truth).command_sigma_s : 0;
+  const double latency_s = effects::servo_of(truth).latency_s;
+  for (const JointLog& given : set.logs) {
+    const JointLog log =
+        late_s > 0 ? with_late_commands(given, late_s, latency_s, random.child("late")) : given;
     const auto angles = predict_joint_log(truth, set, log, log.command_rad.front(), 0, {}, &drives);
     efforts.add(log, drives, options.noise ? &of_efforts : nullptr);
     std::vector<double> wander(options.noise ? angles.size() : 0, 0);

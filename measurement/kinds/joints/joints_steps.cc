@@ -143,7 +143,8 @@ JointsProblem::Reading JointsProblem::reading_of(const Model& model) const {
   const double sigma = step == 0 ? noise : std::sqrt(noise * noise + step * step / 12);
   // No chance is above 1: an error that wanders would take the rounding of a joint at rest for its
   // own otherwise, and be likelier than the truth.
-  if (!effects::noise_of(model).joint.empty())
+  const effects::Noise spread = effects::noise_of(model);
+  if (!spread.joint.empty() || spread.command_sigma_s > 0)
     return {.sigma_rad = std::max(sigma, lattice_rad_ / std::sqrt(2 * std::numbers::pi))};
   if (!on_lattice || roundings_.empty()) return {.sigma_rad = sigma};
   return {.sigma_rad = roundings_.front().sigma_rad(), .rounded = roundings_.front()};
