@@ -248,7 +248,7 @@ namespace {
 
 // What a trace makes of the structure matters as little as the trace: no more than it changes.
 void leave_to_traces(const Problem& problem, SearchResult& result) {
-  if (result.remaining.empty()) return;
+  if (result.remaining.empty() || result.unnamed) return;
   const auto with = with_traces(problem, std::max(1.0, result.first.tried), result);
   if (!with) return;
   const SplitStructure left = significant_structure(problem, *with, result.material);

@@ -59,7 +59,6 @@ class Searcher {
         grown);
   }
   std::shared_ptr<const EffectDefinition> definition(const std::string& name) const;
-  bool explained_without_name(const std::vector<Grown>& grown) const;
 
   Problem& problem_;
   const Model& model_;
@@ -69,7 +68,8 @@ class Searcher {
   const Exchanges exchanges_;
   Grown base_;
   double looks_ = 1;
-  Looks moves_;  // Had in the last round that looked at any.
+  Looks moves_;                    // Had in the last round that looked at any.
+  bool no_name_explains_ = false;  // Nor does any other, then, in this round.
   // Of all that acts beside a motor, where it was fitted in this round.
   double all_of_servo_ll_ = -std::numeric_limits<double>::infinity();
   std::vector<std::string> promising_;  // Significant in some look, best first.
@@ -101,7 +101,11 @@ Looks Searcher::look(const Grown& grown, bool promising_only, Asked asked) {
 // may have been had before. Ends early where it falls behind a rival.
 Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces,
                      const Grown* rival) {
+  std::vector<Grown> way = {base_};
   for (size_t step = 0; step < kMostSteps; ++step) {
+    if (!grown.added.empty()) way.push_back(grown);
+    no_name_explains_ = names_imitate(problem_, way, material_);
+    if (no_name_explains_) break;
     progress_("step " + std::to_string(step + 1) + ": trying effects");
     // Every effect is fitted where the search would end with a misfit: a step from small starts may
     // have promised too little.
@@ -159,6 +163,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
 
 // Grows from a beginning, and keeps what comes of it where it is better than what was found.
 void Searcher::begin_with(const Candidate& beginning, SearchResult& result) {
+  if (no_name_explains_) return;
   progress_("trying again from " + beginning.effect->name);
   std::vector<Candidate> traces;
   Grown other = beginning.grown;
@@ -166,6 +171,7 @@ void Searcher::begin_with(const Candidate& beginning, SearchResult& result) {
     other.assessment = assess(problem_, other.assessment.model, other.assessment.unknowns);
   if (prune(other)) other = less_untold(problem_, std::move(other));
   other = grow(std::move(other), nullptr, traces);
+  no_name_explains_ = false;  // Another beginning may still.
   if (merit_of(problem_, other) <= merit_of(problem_, result.best)) return;
   // One that helped no held-out group by itself must do so with what came to it.
   if (!beginning.significant && other.assessment.held_ll() <= result.best.assessment.held_ll())
@@ -209,10 +215,11 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
   std::optional<Grown> found;
   if (earlier != nullptr) found = again(*earlier, result.first);
   if (!found) promising_.clear();
+  no_name_explains_ = false;
   all_of_servo_ll_ = -std::numeric_limits<double>::infinity();
   result.best = base_;
-  const bool moves_first =
-      !found && all_useless(base_, result.first) && !explained_without_name({base_});
+  const bool moves_first = !found && all_useless(base_, result.first) &&
+                           !explained_without_name(problem_, {base_}, material_);
   if (!found) moves_ = {};
   if (moves_first) begin_with_moves(moves_ = look_at_moves(), result);
   std::vector<Candidate> traces;
@@ -224,7 +231,7 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
   }
   if (problem_.effects_imitate()) try_beginnings(result);
   if (!moves_first && misses(result.best.assessment) &&
-      !explained_without_name({base_, result.best}))
+      !explained_without_name(problem_, {base_, result.best}, material_))
     begin_with_moves(moves_ = look_at_moves(), result);
   begin_with_whole_moves(result);
   begin_with_rest(result);
@@ -325,12 +332,6 @@ void Searcher::try_beginnings(SearchResult& result) {
   }
 }
 
-// What a smooth function explains to the noise leaves nothing for a motor, which has a memory.
-bool Searcher::explained_without_name(const std::vector<Grown>& grown) const {
-  const auto cause = unnamed_beside(problem_, grown, material_);
-  return cause && cause->error_after < kMisfit;
-}
-
 SearchResult Searcher::run() {
   SearchResult result{.material = material_};
   progress_("fitting the model given");
@@ -372,9 +373,10 @@ SearchResult Searcher::run() {
     searched = result.best;
     order_steps(problem_, by_name, result);
   } while (remove_neutral(problem_, result.best));
-  keep_traces(problem_, looks_, result);
   progress_("looking for a cause without a name");
   look_for_unnamed(problem_, result);
+  // Beside a cause without a name small ones with names are not to be trusted.
+  if (!result.unnamed) keep_traces(problem_, looks_, result);
   progress_("testing what structure remains");
   const SplitStructure of_base = significant_structure(problem_, base_.assessment, material_);
   give_verdict(problem_, of_base, result);

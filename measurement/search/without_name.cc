@@ -143,6 +143,19 @@ std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::ve
   return cause;
 }
 
+bool explained_without_name(const Problem& problem, const std::vector<Grown>& grown,
+                            double material) {
+  const auto cause = unnamed_beside(problem, grown, material);
+  return cause && cause->error_after < kMisfit;
+}
+
+bool names_imitate(const Problem& problem, const std::vector<Grown>& way, double material) {
+  constexpr size_t kLeast = 3;  // The first step may stand for several effects.
+  if (way.size() < kLeast) return false;
+  const auto cause = unnamed_beside(problem, way, material);
+  return cause && cause->error_after < kMisfit && cause->beside + 1 < way.size();
+}
+
 void look_for_unnamed(const Problem& problem, SearchResult& result) {
   const std::vector<Grown> grown = explanations_of(result);
   result.unnamed = unnamed_beside(problem, grown, result.material, &result.functions);

@@ -14,6 +14,14 @@ std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::ve
                                            double material,
                                            std::vector<TriedFunction>* tried = nullptr);
 
+// Whether such functions leave no more than noise: nothing for a motor, which has a memory.
+bool explained_without_name(const Problem& problem, const std::vector<Grown>& grown,
+                            double material);
+
+// Whether they leave no more than noise, and explain the set better beside one of the models on a
+// search's way than beside the last: the steps since then imitate them, and so would further ones.
+bool names_imitate(const Problem& problem, const std::vector<Grown>& way, double material);
+
 // Where smooth functions explain the set better beside some of the steps, the others imitate them:
 // they are steps no more. Neither are those that smooth functions can take the place of.
 void look_for_unnamed(const Problem& problem, SearchResult& result);

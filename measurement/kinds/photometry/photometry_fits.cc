@@ -49,6 +49,17 @@ Model with_dark_of(Model model, const Model& other) {
   return model;
 }
 
+constexpr size_t kMostOptima = 2000;
+
+// A square matrix of this many rows, with rows and columns of 0 for what is added.
+std::vector<double> with_more_rows(const std::vector<double>& matrix, size_t rows, size_t more) {
+  std::vector<double> out(more * more, 0);
+  for (size_t i = 0; i < rows; ++i)
+    std::copy_n(matrix.begin() + static_cast<std::ptrdiff_t>(i * rows), rows,
+                out.begin() + static_cast<std::ptrdiff_t>(i * more));
+  return out;
+}
+
 }  // namespace
 
 Fit PhotometryProblem::fit(const Model& given, const std::vector<Unknown>& unknowns,
@@ -67,29 +78,36 @@ Fit PhotometryProblem::fit(const Model& given, const std::vector<Unknown>& unkno
   };
   const bool shares = !own.empty() && is_spread(own.front()) &&
                       std::any_of(others.begin(), others.end(), is_spread);
+  std::vector<double> curvature;
   bool beside = false;
-  if (!others.empty() && !shares) {
-    const std::scoped_lock lock(mutex_);
+  if (!others.empty()) {
     const std::string key = fit_key(without, others, groups);
-    beside = std::find(optima_.begin(), optima_.end(), key) != optima_.end();
+    const std::scoped_lock lock(mutex_);
+    const auto optimum = std::find_if(optima_.begin(), optima_.end(),
+                                      [&](const auto& known) { return known.first == key; });
+    beside = optimum != optima_.end() && !shares;
+    if (optimum != optima_.end())
+      curvature = with_more_rows(optimum->second, others.size(), unknowns.size());
   }
   Fit fit;
   bool enough = false;
   if (beside) {
     const auto sum = sums(groups);
     const double base = log_likelihood(view_of(*sum), without);
-    const Fit alone = fit_all(start, own, groups);
+    std::vector<double> own_curvature;
+    const Fit alone = fit_all(start, own, groups, own_curvature);
     enough = alone.log_likelihood - base < 2;
-    fit = enough ? widened(alone, unknowns, others.size()) : fit_all(alone.model, unknowns, groups);
+    fit = enough ? widened(alone, unknowns, others.size())
+                 : fit_all(alone.model, unknowns, groups, curvature);
   } else {
-    fit = fit_all(start, unknowns, groups);
+    fit = fit_all(start, unknowns, groups, curvature);
   }
   if (!own.empty() && !enough && is_spread(own.front()))
     fit = without_misfit(fit, start, unknowns, groups);
   if (!enough) {
     const std::scoped_lock lock(mutex_);
-    if (optima_.size() > 200) optima_.clear();
-    optima_.push_back(fit_key(fit.model, unknowns, groups));
+    if (optima_.size() > kMostOptima) optima_.clear();
+    optima_.emplace_back(fit_key(fit.model, unknowns, groups), std::move(curvature));
   }
   return fit;
 }
@@ -137,7 +155,9 @@ Fit PhotometryProblem::without_misfit(const Fit& fit, const Model& start,
   for (const Unknown& unknown : unknowns) {
     if (start.find(unknown.effect)->definition->spread_only) spreads.push_back(unknown);
   }
-  const Fit plain = fit_to(small_view_of(*rough_sums(base, groups)), start, spreads);
+  std::vector<double> curvature;
+  const Fit plain =
+      fit_to(small_view_of(*rough_sums(base, groups)), start, spreads, nullptr, curvature);
   Model model = fit.model;
   std::vector<Unknown> others;
   std::vector<size_t> place, held, told;  // Among all unknowns; what is held, among spreads.
@@ -159,7 +179,8 @@ Fit PhotometryProblem::without_misfit(const Fit& fit, const Model& start,
     if (!hides) others.push_back(unknowns[i]), place.push_back(i);
   }
   if (held.empty()) return fit;
-  const Fit beside = fit_all(model, others, groups);
+  curvature.clear();
+  const Fit beside = fit_all(model, others, groups, curvature);
   Fit out = beside;
   const size_t n = unknowns.size();
   out.value.assign(n, 0), out.sigma.assign(n, 0), out.at_bound.assign(n, 0);
@@ -198,14 +219,14 @@ Fit PhotometryProblem::widened(const Fit& alone, const std::vector<Unknown>& unk
 }
 
 Fit PhotometryProblem::fit_all(const Model& start, const std::vector<Unknown>& unknowns,
-                               const Groups& groups) const {
+                               const Groups& groups, std::vector<double>& curvature) const {
   const auto sum = sums(groups);
   const PhotometryView view = view_of(*sum);
   const Model from = with_straight_response(view, start, unknowns);
-  if (!small_) return fit_to(view, from, unknowns);
+  if (!small_) return fit_to(view, from, unknowns, nullptr, curvature);
   const auto small = sums(groups, true);
   const PhotometryView first = small_view_of(*small);
-  return fit_to(view, from, unknowns, &first);
+  return fit_to(view, from, unknowns, &first, curvature);
 }
 
 // A response whose gain is sought begins at the straight line through the levels' means where that
@@ -253,8 +274,8 @@ std::vector<SearchParameter> PhotometryProblem::sought(const Model& start,
 }
 
 Fit PhotometryProblem::fit_to(const PhotometryView& view, const Model& start,
-                              const std::vector<Unknown>& unknowns,
-                              const PhotometryView* first) const {
+                              const std::vector<Unknown>& unknowns, const PhotometryView* first,
+                              std::vector<double>& curvature) const {
   std::vector<SearchParameter> parameters = sought(start, unknowns);
   const bool seeks_dark =
       std::any_of(unknowns.begin(), unknowns.end(),
@@ -265,13 +286,12 @@ Fit PhotometryProblem::fit_to(const PhotometryView& view, const Model& start,
       model.set_value(unknowns[i].effect, unknowns[i].parameter, values[i]);
     return seeks_dark ? model : with_dark_of(std::move(model), start);
   };
-  std::vector<double> alike;  // Correlations that fewer samples show.
   const auto find = [&](PhotometryView beside) {
     beside.near = &start;
     const auto likelihood = [&](const std::vector<double>& values) {
       return log_likelihood(beside, with(values));
     };
-    return maximise(likelihood, parameters, Calls::side_by_side, alike);
+    return maximise(likelihood, parameters, Calls::side_by_side, curvature);
   };
   // Where each look takes all samples, the way is found on the small sensor's.
   if (first != nullptr && !cells_stand_for(view, start)) {
@@ -283,7 +303,7 @@ Fit PhotometryProblem::fit_to(const PhotometryView& view, const Model& start,
       parameters[i].step = rough.step[i] / std::sqrt(more);
       parameters[i].step_fits = true;
     }
-    alike = rough.curvature;
+    curvature = rough.curvature;
   }
   Maximum maximum = find(view);
   // Where a long bent valley leaves errors beyond reason, another try has steps that fit where the
@@ -299,10 +319,11 @@ Fit PhotometryProblem::fit_to(const PhotometryView& view, const Model& start,
     return false;
   };
   for (int more = 0; more < 2 && is_unsure(); ++more) {
-    alike.clear();
+    curvature.clear();
     for (size_t i = 0; i < parameters.size(); ++i) parameters[i].start = maximum.value[i];
     maximum = find(view);
   }
+  curvature = maximum.curvature;
   return {.model = with(maximum.value),
           .value = maximum.value,
           .sigma = maximum.sigma,

@@ -51,12 +51,15 @@ class PhotometryProblem : public Problem {
   PhotometryView small_view_of(const PhotometrySums& sums) const {
     return {small_ ? *small_ : data_, sums, set_noise_dn_, channels_share_, &small_cells_};
   }
-  Fit fit_all(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const;
+  // `curvature` (maximise.h): where it is not empty, one with the correlations that this one has, and
+  // 0 where these are not known; then the one at the end.
+  Fit fit_all(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups,
+              std::vector<double>& curvature) const;
   std::vector<SearchParameter> sought(const Model& start,
                                       const std::vector<Unknown>& unknowns) const;
   // `first`: a smaller sensor of the same, where there is one.
   Fit fit_to(const PhotometryView& view, const Model& start, const std::vector<Unknown>& unknowns,
-             const PhotometryView* first = nullptr) const;
+             const PhotometryView* first, std::vector<double>& curvature) const;
   Fit without_misfit(const Fit& fit, const Model& start, const std::vector<Unknown>& unknowns,
                      const Groups& groups) const;
   Model with_straight_response(const PhotometryView& view, const Model& start,
@@ -69,7 +72,8 @@ class PhotometryProblem : public Problem {
   double set_noise_dn_ = 0;
   bool channels_share_ = true;
   mutable std::mutex mutex_;
-  mutable std::vector<std::string> optima_;  // Keys of fits that were done.
+  // Keys of fits that were done, and the curvature at each.
+  mutable std::vector<std::pair<std::string, std::vector<double>>> optima_;
   mutable std::vector<std::pair<std::pair<Groups, bool>, std::shared_ptr<const PhotometrySums>>>
       cache_;
   mutable std::once_flag means_made_;
