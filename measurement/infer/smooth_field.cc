@@ -64,6 +64,13 @@ Columns polynomials(const Covariate& covariate, const std::vector<double>& x, in
   return values;
 }
 
+// Each part has a level of its own, too.
+Basis polynomials_of_parts(const Covariate& covariate, const std::vector<double>& x) {
+  Basis basis{.values = polynomials(covariate, x, kDegreeOfParts)};
+  for (size_t k = 0; k < basis.values.size(); ++k) basis.order.push_back(static_cast<double>(k));
+  return basis;
+}
+
 Basis products(const Columns& one, const Columns& other) {
   Basis basis;
   for (size_t a = 0; a < one.size(); ++a) {
@@ -83,8 +90,11 @@ Basis basis_of(const SmoothField& field) {
     x.push_back(scaled(*covariate));
     if (x.back().empty()) return {};
   }
-  if (x.size() == 1) return waves(*field.covariates[0], x[0]);
-  const int most = field.place->part_of_row.empty() ? kDegreeOfTwo : kDegreeOfParts;
+  const bool has_parts = !field.place->part_of_row.empty();
+  if (x.size() == 1)
+    return has_parts ? polynomials_of_parts(*field.covariates[0], x[0])
+                     : waves(*field.covariates[0], x[0]);
+  const int most = has_parts ? kDegreeOfParts : kDegreeOfTwo;
   return products(polynomials(*field.covariates[0], x[0], most),
                   polynomials(*field.covariates[1], x[1], most));
 }
@@ -135,7 +145,8 @@ std::vector<SmoothField> smooth_fields(const std::vector<FieldPlace>& places) {
   for (const FieldPlace& place : places) {
     for (auto one = place.covariates.begin(); one != place.covariates.end(); ++one) {
       if (!is_quantity(*one)) continue;
-      if (place.part_of_row.empty()) fields.push_back({&place, {&*one}});
+      if (place.part_of_row.empty() || place.covariates.size() == 1)
+        fields.push_back({&place, {&*one}});
       for (auto other = one + 1; other != place.covariates.end(); ++other) {
         if (is_quantity(*other)) fields.push_back({&place, {&*one, &*other}});
       }

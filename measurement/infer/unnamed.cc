@@ -184,7 +184,10 @@ std::optional<UnnamedCause> Residuals::best_cause(std::vector<TriedFunction>* tr
                                                       std::log(static_cast<double>(fields.size()));
     if (gain < kLeastGain) break;
     cause.lead += gain;
-    cause.depends_on.push_back(names_of(fields[static_cast<size_t>(best - functions.begin())]));
+    const auto names = names_of(fields[static_cast<size_t>(best - functions.begin())]);
+    if (std::find(cause.depends_on.begin(), cause.depends_on.end(), names) ==
+        cause.depends_on.end())
+      cause.depends_on.push_back(names);
     rest_ -= best->columns * best->effect.coefficients;
   }
   if (cause.depends_on.empty()) return std::nullopt;

@@ -119,6 +119,49 @@ TEST_F(CubeAndFast, AStepGoesThatFunctionsCanDoAndOneStaysThatTheyCannot) {
   EXPECT_EQ(result_.steps[0].error_after, result_.best.assessment.error);
 }
 
+// Of data that are a wave, a cube and a fifth power beside the level are no nearer to it than
+// smooth functions beside the level alone.
+TEST(NamesImitate, StepsThatFunctionsDoBetterEndASearch) {
+  struct Wave : MadeProblem {
+    Wave() : MadeProblem(evenly(-1, 1, 600), kNoiseOfWave, powers) {
+      deal_into(12);
+      facts_.covariates = {{.name = "x", .values = x()}};
+      std::vector<double> y;
+      for (size_t i = 0; i < x().size(); ++i)
+        y.push_back(0.4 * std::sin(9 * x()[i]) + kNoiseOfWave * normal({7, 2}, i));
+      take(std::move(y));
+    }
+    static double powers(const std::vector<double>& p, double at) {
+      double sum = 0;
+      for (size_t k = 0; k < p.size(); ++k)
+        sum += p[k] * std::pow(at, k == 0 ? 0 : 2 * static_cast<double>(k) + 1);
+      return sum;
+    }
+  };
+  const Wave problem;
+  Model model;
+  std::vector<Unknown> unknowns;
+  std::vector<Grown> way;
+  for (const std::string name : {"level", "cube", "fifth"}) {
+    model.set(sized(name), {{.value = 0}});
+    unknowns.push_back({name, 0});
+    way.push_back({.assessment = assess(problem, model, unknowns)});
+    if (way.size() > 1) way.back().added = way[way.size() - 2].added;
+    if (way.size() > 1) way.back().added.push_back(name);
+    // The first step may stand for several effects.
+    EXPECT_EQ(names_imitate(problem, way, kMaterial), way.size() == 3) << name;
+  }
+}
+
+TEST_F(CubeAndFast, AStepThatFunctionsCannotDoEndsNone) {
+  std::vector<Grown> way = {result_.base};
+  for (const Step& step : result_.steps) {
+    way.push_back({.added = way.back().added, .assessment = step.after});
+    way.back().added.push_back(step.effect);
+  }
+  EXPECT_FALSE(names_imitate(problem_, way, kMaterial));
+}
+
 TEST_F(CubeAndFast, WhatIsDoubtedGoesWhereFunctionsCanDoIt) {
   result_.steps[1].doubts = {"its range ends"};
   EXPECT_FALSE(leave_out_doubted(problem_, result_));

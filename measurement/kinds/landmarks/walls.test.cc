@@ -1,5 +1,5 @@
-// Ranges that are too long near a line on the floor, in sets that are made here by a formula of
-// their own.
+// Ranges that are too long near a line on the floor, or more and more with time, in sets that are
+// made here by a formula of their own.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -25,6 +25,7 @@ constexpr double kTagAhead_m = 0.3;  // Of the robot's middle.
 struct Yard {
   std::string name;
   double excess_m = 0, noise_m = 0;
+  double drift_mps = 0;  // Of the clocks of the posts, of unlike sign and size.
   int runs = 4;
 };
 
@@ -49,7 +50,7 @@ fs::path made_yard(const Yard& yard) {
       const double* beacon = kPosts[i / 2 % 4];
       const double range =
           std::sqrt(std::pow(beacon[0] - tag_x, 2) + std::pow(beacon[1] - tag_y, 2)) +
-          at_shelf(yard, tag_x, tag_y) +
+          at_shelf(yard, tag_x, tag_y) + yard.drift_mps * t * std::cos(2.0 * (i / 2 % 4)) +
           yard.noise_m * normal({9, static_cast<uint64_t>(run)}, static_cast<uint64_t>(i));
       seen += fmt::format("{},{:.1f},{},{:.9f}\n", run, t, i / 2 % 4, range);
     }
@@ -104,6 +105,17 @@ TEST(Walls, AreFoundWhereTheyStand) {
   }
   const auto none = open_problem(made_yard({.name = "plain", .noise_m = 0.04}));
   EXPECT_TRUE(search(*none, tag_with(""), {}, [](const std::string&) {}).steps.empty());
+}
+
+// What each post does on its own, over time, has no name, and is neither a wall nor a height.
+TEST(Posts, WhoseClocksRunUnlikeAreFunctionsOfTimeForEach) {
+  const auto problem =
+      open_problem(made_yard({.name = "clocks", .noise_m = 0.04, .drift_mps = 0.003}));
+  const SearchResult found = search(*problem, tag_with(""), {}, [](const std::string&) {});
+  ASSERT_TRUE(found.unnamed);
+  EXPECT_EQ(found.unnamed->depends_on[0], (std::vector<std::string>{"time", "landmark"}));
+  EXPECT_NEAR(found.unnamed->error_after, 1, 0.05);
+  EXPECT_TRUE(found.steps.empty());
 }
 
 // A robot that stands has no places to compare.

@@ -105,6 +105,11 @@ void OdometryProblem::describe(const MeasurementSet& set, const CsvTable& table)
 
 Evaluation OdometryProblem::evaluate(const Model& model, const Groups& groups,
                                      const Evaluation*) const {
+  return evaluate_walks(model, groups, nullptr);
+}
+
+Evaluation OdometryProblem::evaluate_walks(const Model& model, const Groups& groups,
+                                           const Stretch* stretch) const {
   const effects::Locomotion walk = effects::locomotion_of(model);
   const effects::Timing timing = effects::timing_of(model);
   Evaluation evaluation;
@@ -132,7 +137,8 @@ Evaluation OdometryProblem::evaluate(const Model& model, const Groups& groups,
   const auto walk_run = [&](size_t i) {
     const WalkRun& run = runs_[i];
     if (!groups[facts_.group_of_row[run.rows[0]]]) return;
-    const auto kept = paths_->of(i, mean, [&] { return walked_by(walk, run, timing); });
+    auto kept = paths_->of(i, mean, [&] { return walked_by(walk, run, timing); });
+    if (stretch != nullptr) kept = std::make_shared<const Walked>(stretched(*kept, run, *stretch));
     const std::vector<effects::WalkState>& path = kept->path;
     for (const effects::WalkState& state : path) {
       shares[i].valid &=
@@ -142,10 +148,10 @@ Evaluation OdometryProblem::evaluate(const Model& model, const Groups& groups,
     const PoseSigmas sigma = pose_sigmas(noise, noise_, run, path);
     // A filter begins at the first pose, and needs a start only where that is not whole.
     const bool filtered = noisy || !kept->counted.empty();
-    const Start start =
-        filtered && is_whole(run, 0)
-            ? Start{.unknowns = 3}
-            : *starts_->of(i, key, [&] { return fit_start(run, run.rows.size(), path, sigma); });
+    const auto fitted = [&] { return fit_start(run, run.rows.size(), path, sigma); };
+    const Start start = filtered && is_whole(run, 0) ? Start{.unknowns = 3}
+                        : stretch != nullptr         ? fitted()
+                                                     : *starts_->of(i, key, fitted);
     shares[i].unknowns = start.unknowns;
     if (filtered) {
       shares[i].log_det = filter(walk, run, start, *kept, sigma, evaluation);

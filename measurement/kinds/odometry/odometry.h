@@ -86,6 +86,8 @@ class OdometryProblem : public Problem {
                       const Evaluation* warm) const override;
   void check_model(const Model& model) const override;
   std::vector<FreeError> free_prediction(const Model& model, const Groups& groups) const override;
+  // On ways and turns: an error of either moves all later poses.
+  std::vector<FieldPlace> field_places(const Model& model, const Evaluation& here) const override;
   // Each direction in which a run goes or turns.
   std::vector<Groups> regimes() const override;
 
@@ -108,11 +110,18 @@ class OdometryProblem : public Problem {
     CountErrors counted;
   };
 
+  // By row: relative changes of the way and of the turn since the row before.
+  struct Stretch {
+    std::vector<double> way, turn;
+  };
+
   Ticks ticks_as(const effects::Locomotion& walk) const {
     return counting_matters(walk.wheels, noise_) ? Ticks::rolled : Ticks::counted;
   }
+  Evaluation evaluate_walks(const Model& model, const Groups& groups, const Stretch* stretch) const;
   Walked walked_by(const effects::Locomotion& walk, const WalkRun& run,
                    const effects::Timing& timing) const;
+  static Walked stretched(const Walked& walked, const WalkRun& run, const Stretch& by);
   std::vector<effects::Lack> lacks(const effects::Wheels& wheels) const;
   void describe(const MeasurementSet& set, const CsvTable& table);
   void add_covariates(const effects::Locomotion& walk);

@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 struct Causes {
   std::string name;
   double growth = 0, load = 0, right_late_s = 0, yaw_rad = 0;
+  double carpet = 0;  // A share of the way, where x is above the start's.
   uint64_t seed = 1;
 };
 
@@ -63,8 +64,9 @@ class MadeDrive {
       const double on_left = a * (1 + causes_.growth * std::abs(a) + inner);
       const double on_right = b * (1 + causes_.growth * std::abs(b) - inner);
       const double turn = kFine_s * (on_right - on_left) / kWheelBase_m;
-      const double way = kFine_s * 0.5 * (on_left + on_right);
+      const double rolled = kFine_s * 0.5 * (on_left + on_right);
       const auto [x, y, theta] = pose.back();
+      const double way = rolled * (1 + (x > 0 ? causes_.carpet : 0));
       pose.push_back({x + way * std::cos(theta + 0.5 * turn),
                       y + way * std::sin(theta + 0.5 * turn), theta + turn});
     }
@@ -120,6 +122,17 @@ TEST(WheelCauses, EncodersThatAreReadOneAfterTheOther) {
 
 TEST(WheelCauses, AMarkerThatIsTurned) {
   expect_alone({.name = "turned", .yaw_rad = 0.04, .seed = 4}, "tracker_turn", 0.04, 0.004);
+}
+
+// A floor on which wheels sink in moves all later poses, as a noise that adds up along the way
+// does, which takes as much; it is no noise, since it hangs together with the place.
+TEST(WheelCauses, ACarpetIsAFunctionOfThePlaceAndNoNoise) {
+  const SearchResult result = searched_wheels({.name = "carpet", .carpet = -0.06, .seed = 6});
+  EXPECT_EQ(result.verdict, "unexplained_structure");
+  ASSERT_TRUE(result.unnamed);
+  EXPECT_TRUE(result.steps.empty()) << result.best.assessment.model.to_yaml();
+  EXPECT_EQ(result.unnamed->depends_on[0], std::vector<std::string>{"x_moved"});
+  EXPECT_GT(result.unnamed->takes, 0.9);
 }
 
 TEST(WheelCauses, AreNotFoundWhereThereAreNone) {
