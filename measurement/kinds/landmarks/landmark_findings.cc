@@ -59,4 +59,18 @@ std::vector<Finding> found_of(const std::vector<std::string>& landmarks,
   return findings;
 }
 
+FieldPlace over_time_by_landmark(const LandmarkData& data, const Facts& facts,
+                                 const Evaluation& here) {
+  const std::vector<double> none(facts.scalars(), 0);
+  FieldPlace place{.slopes = std::vector<std::vector<double>>(facts.channels.size(), none),
+                   .covariates = {facts.covariates[0]},
+                   .part_of_row = data.landmark_of_row,
+                   .part = "landmark"};
+  for (size_t i = 0; i < facts.scalars(); ++i) {
+    const int channel = facts.channel_of[i];
+    place.slopes[channel][i] = facts.channels[channel].noise / here.sigma[i];
+  }
+  return place;
+}
+
 }  // namespace seam::measurement

@@ -1,4 +1,4 @@
-// Which landmarks have clear errors of their own, in words.
+// Errors of single landmarks: which are clear, in words, and where one without a name may act.
 #pragma once
 
 #include <string>
@@ -12,5 +12,9 @@ namespace seam::measurement {
 std::vector<Finding> found_of(const std::vector<std::string>& landmarks,
                               const effects::Noise& noise,
                               const std::vector<Displacement>& displacements);
+
+// A clock or a transmitter of each landmark's own: functions of time in each channel.
+FieldPlace over_time_by_landmark(const LandmarkData& data, const Facts& facts,
+                                 const Evaluation& here);
 
 }  // namespace seam::measurement

@@ -62,16 +62,8 @@ class LandmarksProblem : public Problem {
 
   Evaluation evaluate(const Model& model, const Groups& groups, const Evaluation*) const override;
   std::vector<Finding> findings(const Model& model) const override;
-  // A clock or a transmitter of each landmark's own.
   std::vector<FieldPlace> field_places(const Model&, const Evaluation& here) const override {
-    FieldPlace own{.slopes = {facts_.channels.size(), std::vector<double>(facts_.scalars(), 0)},
-                   .covariates = {facts_.covariates[0]},
-                   .part_of_row = data_.landmark_of_row,
-                   .part = "landmark"};
-    for (size_t i = 0; i < facts_.scalars(); ++i)
-      own.slopes[facts_.channel_of[i]][i] =
-          facts_.channels[facts_.channel_of[i]].noise / here.sigma[i];
-    return {std::move(own)};
+    return {over_time_by_landmark(data_, facts_, here)};
   }
   std::vector<std::vector<double>> starts(const Model& model,
                                           const EffectDefinition& effect) const override {
