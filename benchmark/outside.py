@@ -173,7 +173,7 @@ def draw_of_body(draw, cause):
             "slippery speed": lambda: {"s_per_m": draw.uniform(0.2, 0.6)},
             "stiff start": lambda: {"share": draw.uniform(0.1, 0.3), "tau_s": draw.uniform(1, 3)},
             "warm tyres": lambda: {"share": draw.signed(0.02, 0.05)},
-            "carpet": lambda: {"share": draw.signed(0.03, 0.08)}}[cause]()
+            "carpet": lambda: {"share": draw.signed(0.03, 0.08), "edge_m": draw.signed(0.05, 0.3)}}[cause]()
 
 
 def walks_beside(effects, vx, vy, theta, t):

@@ -134,9 +134,9 @@ def driven(effects, base, speeds, start):
     ahead = 0.5 * ground.sum(1) * np.maximum(0, 1 - effects.get("wheel_slip", {}).get("per_radps", 0) * np.abs(rate))
     theta = start + np.concatenate([[0], np.cumsum(rate * FINE_S)])
     middle = theta[:-1] + 0.5 * FINE_S * rate
-    if "carpet" in effects:  # Behind the middle of the way in x, as it goes on the bare floor.
+    if "carpet" in effects:  # Behind a line across the floor, the same for all runs.
         x = np.cumsum(ahead * np.cos(middle) * FINE_S)
-        ahead = ahead * (1 + effects["carpet"]["share"] * (x > np.median(x)))
+        ahead = ahead * (1 + effects["carpet"]["share"] * (x > effects["carpet"]["edge_m"]))
     down = outside.of(effects, "slope", "share") * np.abs(ahead)
     way = np.stack([np.concatenate([[0], np.cumsum(
         (ahead * np.cos(middle) + down * math.cos(outside.of(effects, "slope", "way_rad"))) * FINE_S)]),

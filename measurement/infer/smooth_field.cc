@@ -64,17 +64,10 @@ Columns polynomials(const Covariate& covariate, const std::vector<double>& x, in
   return values;
 }
 
-// Each part has a level of its own, too.
-Basis polynomials_of_parts(const Covariate& covariate, const std::vector<double>& x) {
-  Basis basis{.values = polynomials(covariate, x, kDegreeOfParts)};
-  for (size_t k = 0; k < basis.values.size(); ++k) basis.order.push_back(static_cast<double>(k));
-  return basis;
-}
-
 Basis products(const Columns& one, const Columns& other) {
   Basis basis;
   for (size_t a = 0; a < one.size(); ++a) {
-    for (size_t b = 0; a + b < other.size(); ++b) {
+    for (size_t b = 0; b < other.size() && a + b < std::max(one.size(), other.size()); ++b) {
       if (a + b == 0) continue;
       basis.values.emplace_back(one[a].size());
       for (size_t i = 0; i < one[a].size(); ++i) basis.values.back()[i] = one[a][i] * other[b][i];
@@ -91,12 +84,20 @@ Basis basis_of(const SmoothField& field) {
     if (x.back().empty()) return {};
   }
   const bool has_parts = !field.place->part_of_row.empty();
-  if (x.size() == 1)
-    return has_parts ? polynomials_of_parts(*field.covariates[0], x[0])
-                     : waves(*field.covariates[0], x[0]);
   const int most = has_parts ? kDegreeOfParts : kDegreeOfTwo;
-  return products(polynomials(*field.covariates[0], x[0], most),
-                  polynomials(*field.covariates[1], x[1], most));
+  Basis basis;
+  if (x.size() == 1 && !has_parts) {
+    basis = waves(*field.covariates[0], x[0]);
+  } else {
+    const Columns level = {std::vector<double>(x[0].size(), 1)};
+    basis = products(polynomials(*field.covariates[0], x[0], most),
+                     x.size() == 1 ? level : polynomials(*field.covariates[1], x[1], most));
+  }
+  if (field.place->has_level) {
+    basis.values.emplace_back(x[0].size(), 1);
+    basis.order.push_back(0);
+  }
+  return basis;
 }
 
 // What a field may depend on.

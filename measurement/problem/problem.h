@@ -28,6 +28,8 @@ struct FieldPlace {
   std::vector<Covariate> covariates;
   std::vector<int> part_of_row;  // A function of its own for each part, such as a view; empty: one.
   std::string part;              // What a part is: "view".
+  // No parameter does what a function that is the same everywhere does: functions have a level.
+  bool has_level = false;
   // Turns a function times a slope, by scalar, into what arrives in the residuals: a torque acts on
   // all later angles. Empty: itself.
   std::function<void(std::vector<double>&)> arrives;

@@ -104,8 +104,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
   std::vector<Grown> way = {base_};
   for (size_t step = 0; step < kMostSteps; ++step) {
     if (!grown.added.empty()) way.push_back(grown);
-    no_name_explains_ = names_imitate(problem_, way, material_);
-    if (no_name_explains_) break;
+    if ((no_name_explains_ = names_imitate(problem_, way, material_))) break;
     progress_("step " + std::to_string(step + 1) + ": trying effects");
     // Every effect is fitted where the search would end with a misfit: a step from small starts may
     // have promised too little.
@@ -375,8 +374,7 @@ SearchResult Searcher::run() {
   } while (remove_neutral(problem_, result.best));
   progress_("looking for a cause without a name");
   look_for_unnamed(problem_, result);
-  // Beside a cause without a name small ones with names are not to be trusted.
-  if (!result.unnamed) keep_traces(problem_, looks_, result);
+  if (!result.unnamed) keep_traces(problem_, looks_, result);  // Else they are not to be trusted.
   progress_("testing what structure remains");
   const SplitStructure of_base = significant_structure(problem_, base_.assessment, material_);
   give_verdict(problem_, of_base, result);

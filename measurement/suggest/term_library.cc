@@ -49,6 +49,14 @@ std::vector<effects::ParameterValue> parameters_of(const std::vector<Term>& term
   return values;
 }
 
+// But for what differences round off.
+bool is_constant(const std::vector<double>& values) {
+  constexpr double kRounding = 1e-5;
+  if (values.empty()) return true;
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return !(*high - *low > kRounding * std::max(std::abs(*low), std::abs(*high)));
+}
+
 }  // namespace
 
 Model with_formula(Model model, const std::shared_ptr<const EffectDefinition>& effect,
@@ -85,6 +93,7 @@ void TermLibrary::add_terms() {
         continue;
       }
       Along along = this->along(alone, derivative(carrying(carrier, variable)));
+      if (is_constant(along.at)) continue;
       along.carrier = carrier, along.variable = variable;
       add_curves(carrier, variable, along.at);
       along_.push_back(std::move(along));

@@ -65,7 +65,8 @@ FieldPlace over_time_by_landmark(const LandmarkData& data, const Facts& facts,
   FieldPlace place{.slopes = std::vector<std::vector<double>>(facts.channels.size(), none),
                    .covariates = {facts.covariates[0]},
                    .part_of_row = data.landmark_of_row,
-                   .part = "landmark"};
+                   .part = "landmark",
+                   .has_level = true};
   for (size_t i = 0; i < facts.scalars(); ++i) {
     const int channel = facts.channel_of[i];
     place.slopes[channel][i] = facts.channels[channel].noise / here.sigma[i];

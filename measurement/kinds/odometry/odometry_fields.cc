@@ -54,7 +54,8 @@ std::vector<FieldPlace> OdometryProblem::field_places(const Model& model,
       for (double& value : column) value *= unit;
     };
     for (const Covariate& covariate : facts_.covariates)
-      places.push_back({.slopes = {slope}, .covariates = {covariate}, .arrives = arrives});
+      places.push_back(
+          {.slopes = {slope}, .covariates = {covariate}, .has_level = true, .arrives = arrives});
   }
   return places;
 }

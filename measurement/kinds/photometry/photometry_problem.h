@@ -51,8 +51,8 @@ class PhotometryProblem : public Problem {
   PhotometryView small_view_of(const PhotometrySums& sums) const {
     return {small_ ? *small_ : data_, sums, set_noise_dn_, channels_share_, &small_cells_};
   }
-  // `curvature` (maximise.h): where it is not empty, one with the correlations that this one has, and
-  // 0 where these are not known; then the one at the end.
+  // `curvature` (maximise.h): where it is not empty, one with the correlations that this one has,
+  // and 0 where these are not known; then the one at the end.
   Fit fit_all(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups,
               std::vector<double>& curvature) const;
   std::vector<SearchParameter> sought(const Model& start,
