@@ -44,14 +44,18 @@ class Residuals {
   // A function's columns, without what follows them, and what they gain.
   struct Function {
     MatrixXd columns, gram;
+    MatrixXd named;  // Orthonormal: of FieldPlace::named.
     std::array<MatrixXd, kParts> gram_of_part;
     RandomEffect effect;
   };
   VectorXd own_of(const std::vector<double>& column) const;
+  MatrixXd own_of(const std::vector<std::vector<double>>& columns) const;
   auto rows_of(const auto& matrix, int part) const {
     return matrix.middleRows(begins_[part], begins_[part + 1] - begins_[part]);
   }
   Function function_of(const SmoothField& field) const;
+  VectorXd beside_named(const Function& function) const;
+  double named_gain(const Function& function) const;
   double held_out_gain(const Function& function) const;
   std::vector<SmoothField> fields();
 
@@ -114,14 +118,22 @@ VectorXd Residuals::own_of(const std::vector<double>& column) const {
   return own;
 }
 
+MatrixXd Residuals::own_of(const std::vector<std::vector<double>>& columns) const {
+  MatrixXd own(static_cast<Index>(scalars_.size()), static_cast<Index>(columns.size()));
+  for (size_t k = 0; k < columns.size(); ++k) own.col(static_cast<Index>(k)) = own_of(columns[k]);
+  return own;
+}
+
 Residuals::Function Residuals::function_of(const SmoothField& field) const {
   auto columns = columns_of(problem_.facts(), field);
   if (columns.empty()) return {};
   columns = problem_.following(model_, problem_.all_groups(), here_, std::move(columns));
   const auto count = static_cast<Index>(columns.size());
-  Function function{.columns = MatrixXd(rest_.size(), count), .gram = MatrixXd::Zero(count, count)};
-  for (size_t k = 0; k < columns.size(); ++k)
-    function.columns.col(static_cast<Index>(k)) = own_of(columns[k]);
+  Function function{.columns = own_of(columns), .gram = MatrixXd::Zero(count, count)};
+  if (!field.place->named.empty()) {
+    function.named = column_basis(own_of(field.place->named), 1e-6);
+    function.columns -= function.named * (function.named.transpose() * function.columns);
+  }
   for (int part = 0; part < kParts; ++part) {
     const auto own = rows_of(function.columns, part);
     function.gram += function.gram_of_part[part] = own.transpose() * own;
@@ -129,13 +141,26 @@ Residuals::Function Residuals::function_of(const SmoothField& field) const {
   return function;
 }
 
+VectorXd Residuals::beside_named(const Function& function) const {
+  if (function.named.cols() == 0) return rest_;
+  return rest_ - function.named * (function.named.transpose() * rest_);
+}
+
+// Log-evidence of what effects with names do and a function brings along.
+double Residuals::named_gain(const Function& function) const {
+  const double price = 0.5 * std::log(static_cast<double>(scalars_.size()));
+  const double taken = 0.5 * (rest_.squaredNorm() - beside_named(function).squaredNorm());
+  return std::max(0.0, taken - price * static_cast<double>(function.named.cols()));
+}
+
 // Of log-likelihood, each part predicted from all others.
 double Residuals::held_out_gain(const Function& function) const {
-  const VectorXd all = function.columns.transpose() * rest_;
+  const VectorXd rest = beside_named(function);
+  const VectorXd all = function.columns.transpose() * rest;
   double gain = 0;
   for (int part = 0; part < kParts; ++part) {
     const MatrixXd& gram = function.gram_of_part[part];
-    const VectorXd right = rows_of(function.columns, part).transpose() * rows_of(rest_, part);
+    const VectorXd right = rows_of(function.columns, part).transpose() * rows_of(rest, part);
     const VectorXd b = coefficients_of(function.gram - gram, all - right, function.effect.size);
     gain += right.dot(b) - 0.5 * b.dot(gram * b);
   }
@@ -169,6 +194,8 @@ std::optional<UnnamedCause> Residuals::best_cause(std::vector<TriedFunction>* tr
       function.effect = random_effect(function.gram, function.columns.transpose() * rest_);
       if (function.effect.log_evidence > kLeastGain && held_out_gain(function) <= 0)
         function.effect.log_evidence = 0;
+      if (function.effect.log_evidence > kLeastGain)
+        function.effect.log_evidence += named_gain(function);
     });
     for (size_t f = 0; k == 0 && tried != nullptr && f < fields.size(); ++f)
       note_tried(names_of(fields[f]), functions[f].columns.cols() > 0,
@@ -189,6 +216,7 @@ std::optional<UnnamedCause> Residuals::best_cause(std::vector<TriedFunction>* tr
         cause.depends_on.end())
       cause.depends_on.push_back(names);
     rest_ -= best->columns * best->effect.coefficients;
+    rest_ = beside_named(*best);
   }
   if (cause.depends_on.empty()) return std::nullopt;
   cause.noise_units =

@@ -30,6 +30,9 @@ struct FieldPlace {
   std::string part;              // What a part is: "view".
   // No parameter does what a function that is the same everywhere does: functions have a level.
   bool has_level = false;
+  // What effects with names do there, as slopes are: it comes with a function, whose evidence is
+  // what it does beside that.
+  std::vector<std::vector<double>> named = {};
   // Turns a function times a slope, by scalar, into what arrives in the residuals: a torque acts on
   // all later angles. Empty: itself.
   std::function<void(std::vector<double>&)> arrives;

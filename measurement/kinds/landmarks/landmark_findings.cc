@@ -62,14 +62,17 @@ std::vector<Finding> found_of(const std::vector<std::string>& landmarks,
 FieldPlace over_time_by_landmark(const LandmarkData& data, const Facts& facts,
                                  const Evaluation& here) {
   const std::vector<double> none(facts.scalars(), 0);
-  FieldPlace place{.slopes = std::vector<std::vector<double>>(facts.channels.size(), none),
+  const size_t channels = facts.channels.size(), landmarks = data.landmarks.size();
+  FieldPlace place{.slopes = {channels, none},
                    .covariates = {facts.covariates[0]},
                    .part_of_row = data.landmark_of_row,
                    .part = "landmark",
-                   .has_level = true};
+                   .named = {channels * landmarks, none}};
   for (size_t i = 0; i < facts.scalars(); ++i) {
-    const int channel = facts.channel_of[i];
+    const auto channel = static_cast<size_t>(facts.channel_of[i]);
+    const auto landmark = static_cast<size_t>(data.landmark_of_row[facts.row_of[i]]);
     place.slopes[channel][i] = facts.channels[channel].noise / here.sigma[i];
+    place.named[channel * landmarks + landmark][i] = place.slopes[channel][i];
   }
   return place;
 }
