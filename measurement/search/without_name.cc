@@ -110,15 +110,6 @@ void leave_out_mimics(const Problem& problem, SearchResult& result) {
   }
 }
 
-// Whether a formula takes little of what smooth functions take beside the same model: then it is no
-// explanation, whatever it gains.
-bool takes_little(const Suggestion& formula, const UnnamedCause& cause) {
-  const double before2 = formula.error_before * formula.error_before;
-  const double taken = before2 - formula.error * formula.error,
-               most = before2 - cause.error_after * cause.error_after;
-  return taken < kOwnBesideUnnamed * most;
-}
-
 // How many of the first steps are none of spread: beside a spread, which takes whatever mean is
 // left, a formula has little to take, and is dear to fit.
 size_t steps_of_mean(const SearchResult& result) {
@@ -199,13 +190,14 @@ bool look_for_formula(const Problem& problem, const Progress& progress, SearchRe
        of_mean > 0 ? std::vector<size_t>{0, of_mean} : std::vector<size_t>{0}) {
     auto found = suggest(problem, grown[place]);
     if (!found) continue;
-    if (result.unnamed && place == result.unnamed->beside && takes_little(*found, *result.unnamed))
-      continue;
     // Where something is left that is no noise, evidence is too sure.
     const double misfit = std::max(1.0, found->error * found->error);
     const double named = grown[place].assessment.total_ll - merit_of(problem, grown[place]);
     const double lead = (found->log_evidence - named - merit_of(problem, last)) / misfit;
     if (!explains_better(lead, found->error, last)) continue;
+    if (result.unnamed && place == result.unnamed->beside &&
+        lead < kOwnBesideUnnamed * result.unnamed->lead)
+      continue;
     // Of equals the one with the fewest effects.
     if (result.suggestion && lead < most + kTieWidth) continue;
     result.suggestion = std::move(found), beside = place, most = lead;
