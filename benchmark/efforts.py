@@ -9,16 +9,13 @@ column and with it (the share of back-EMF within two and three of the errors, an
 effects (null: nothing may be missing); and with torques that a wrong torque constant made, the inertia being stated.
 Half of the sets leave the torque's noise unstated, a third have a torque in every third row only.
 """
-import argparse
-import json
 import math
 import pathlib
-import subprocess
-import sys
 import tempfile
 
 import numpy as np
 
+import own_sets
 from draws import Draw
 from motors import LENGTH, STEP_S, Joint
 from servos import commands
@@ -96,13 +93,8 @@ def write_model(path, one, inertia=""):
 
 
 def asked(seam, folder, command, data, model):
-    out = folder / "answer.json"
     words = ["--out", str(folder / "fitted.yaml")] if command == "fit" else []
-    done = subprocess.run([seam, command, "--data", folder / data, "--model", folder / f"{model}.yaml", "--json", out, *words],
-                          capture_output=True, text=True)
-    if done.returncode not in (0, 1):
-        sys.exit(f"{command} {folder / data}: {done.stderr}")
-    return json.loads(out.read_text())
+    return own_sets.asked(seam, command, folder / data, folder / f"{model}.yaml", folder / "answer.json", *words)
 
 
 class Errors:
@@ -123,12 +115,7 @@ class Errors:
 
 
 def main():
-    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("seam")
-    options.add_argument("--sets", type=int, default=20)
-    options.add_argument("--first", type=int, default=0)
-    options.add_argument("--keep")
-    options = options.parse_args()
+    options = own_sets.options_of(__doc__)
     root = pathlib.Path(options.keep or tempfile.mkdtemp())
     errors, open_before, quiet, named = Errors(), 0, 0, 0
     for number in range(options.first, options.first + options.sets):

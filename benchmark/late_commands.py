@@ -8,16 +8,13 @@ motor's angles are those of the solver in motors.py, not of SEAM. `seam diagnose
 free; right is `command_jitter` and nothing else. Beside each set stands one whose commands are all late by half of the
 period, where nothing is missing.
 """
-import argparse
-import json
 import math
 import pathlib
-import subprocess
-import sys
 import tempfile
 
 import numpy as np
 
+import own_sets
 from draws import Draw
 from motors import LENGTH, STEP_S, Joint
 from servos import commands
@@ -61,21 +58,8 @@ def write_set(folder, command, angles):
         "files: {joints: joints.csv}\n")
 
 
-def diagnosed(seam, folder, model):
-    out = folder / "answer.json"
-    done = subprocess.run([seam, "diagnose", "--data", folder, "--model", model, "--json", out], capture_output=True, text=True)
-    if done.returncode not in (0, 1):
-        sys.exit(f"{folder}: {done.stderr}")
-    return json.loads(out.read_text())
-
-
 def main():
-    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("seam")
-    options.add_argument("--sets", type=int, default=20)
-    options.add_argument("--first", type=int, default=0)
-    options.add_argument("--keep")
-    options = options.parse_args()
+    options = own_sets.options_of(__doc__)
     root = pathlib.Path(options.keep or tempfile.mkdtemp())
     named, quiet, sizes = 0, 0, []
     for number in range(options.first, options.first + options.sets):
@@ -88,7 +72,8 @@ def main():
             f"  {name}: {{" + ", ".join(f"{key}: {value:.9g}" if key == "gain" else f"{key}: {{value: {value:.9g}, free: true}}"
                                         for key, value in values.items()) + "}\n" for name, values in effects.items())
             + f"  servo_latency: {{latency_s: {{value: {period / 2:.9g}, free: true}}}}\n")
-        answer, null = diagnosed(options.seam, folder / "late", model), diagnosed(options.seam, folder / "even", model)
+        answer, null = (own_sets.asked(options.seam, "diagnose", folder / name, model, folder / name / "answer.json")
+                        for name in ("late", "even"))
         steps = [step["effect"] for step in answer["explanation"]["steps"]]
         named += steps == ["command_jitter"]
         none = null["verdict"] == "adequate"

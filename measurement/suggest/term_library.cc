@@ -88,14 +88,16 @@ void TermLibrary::add_terms() {
     double step = 1e-6;
     const ByScalar alone = followed ? ByScalar() : derivative(carrying(carrier, "1"), &step);
     for (const std::string& variable : vocabulary_.variables) {
+      Along along;
       if (followed) {
-        add_curves(carrier, variable, values_of(variable, places));
-        continue;
+        along.at = values_of(variable, places);
+      } else {
+        along = this->along(alone, derivative(carrying(carrier, variable)));
       }
-      Along along = this->along(alone, derivative(carrying(carrier, variable)));
       if (is_constant(along.at)) continue;
-      along.carrier = carrier, along.variable = variable;
       add_curves(carrier, variable, along.at);
+      if (followed) continue;
+      along.carrier = carrier, along.variable = variable;
       along_.push_back(std::move(along));
     }
     steps.resize(terms_.size(), step);
@@ -299,7 +301,7 @@ std::vector<double> TermLibrary::values_of(const std::string& variable,
 void TermLibrary::add_curves(const Term& carrier, const std::string& variable,
                              std::vector<double> values) {
   std::sort(values.begin(), values.end());
-  if (values.size() < kLeastForWaves || !(values.back() > values.front())) return;
+  if (values.size() < kLeastForWaves) return;
   const double span = values.back() - values.front();
   const auto add = [&](Curve curve, std::vector<double> numbers) {
     Term term = curve_on(carrier, curve, variable, span);
