@@ -294,6 +294,14 @@ class BesideACamera(Case):
         refused("attitudes.csv", "qz")
         views.write_text("".join(",".join([*cells[:4], "0.9" if number else "qz", *cells[5:]]) + "\n" for number, cells in enumerate(lines)))
         refused("attitudes.csv:2", "qw, qx, qy, qz of length 1")
+        def with_last(name, value):
+            views.write_text("".join(",".join([*cells[:5], value if number else name]) + "\n" for number, cells in enumerate(lines)))
+
+        for value in ("1e200", "1e-200", "0"):
+            with_last("sigma_rad", value)
+            refused("attitudes.csv:2: column sigma_rad", "a standard error of 1e-09 to 1 rad")
+        views.write_text("".join(",".join([*cells[:5], "0.001,-1" if number else "sigma_rad,exposure_s"]) + "\n" for number, cells in enumerate(lines)))
+        refused("attitudes.csv:2: column exposure_s: found '-1'")
         with_columns("time_s", "qw", "qx", "qy", "qz", "sigma_rad")
         out = folder / "d.json"
         run("diagnose", "--model", folder / "nominal.yaml", "--data", folder, "--json", out)
@@ -307,6 +315,21 @@ class BesideACamera(Case):
         imu.make(rest, "gyro_bias", 1)
         run("diagnose", "--model", rest / "nominal.yaml", "--data", rest, "--json", out)
         self.assertIn("no camera was beside the sensor: the set has no attitudes", out.read_text())
+
+    def test_readings_that_show_no_noise(self):
+        folder = self.folder / "still"
+        imu.make(folder, "gyro_bias", 1)
+        table, about = folder / "imu.csv", folder / "measurement.yaml"
+        lines = [line.split(",") for line in table.read_text().splitlines()]
+        at = lines[0].index("wy_radps")
+        table.write_text("".join(",".join([*cells[:at], "0" if number else cells[at], *cells[at + 1:]]) + "\n"
+                                 for number, cells in enumerate(lines)))
+        said = run("compare", "--model", folder / "nominal.yaml", "--data", folder, code=1)
+        self.assertIn("imu.csv: column wy_radps is 0 in all rows, expected readings that scatter", said)
+        # A column of groups that is not there is no run without a name.
+        table.write_text("".join(",".join(cells) + "\n" for cells in lines))
+        about.write_text("".join(line for line in about.read_text().splitlines(True) if not line.startswith("group:")) + "group: banana\n")
+        self.assertIn("column 'banana' is missing", run("compare", "--model", folder / "nominal.yaml", "--data", folder, code=1))
 
 
 class Import(unittest.TestCase):

@@ -86,6 +86,17 @@ void describe_set(ConfigTable& table, MeasurementSet& set) {
   describe_imu(table);
 }
 
+// Further tables may have any name, but hardly one that is nearly a name that is read.
+void refuse_misspelt(const ConfigNode& files, const std::string& name) {
+  static const std::vector<std::string> kTables = {
+      "points", "poses",  "joints",   "odometry", "landmarks", "observations",
+      "frames", "ranges", "outcomes", "imu",      "attitudes"};
+  if (std::find(kTables.begin(), kTables.end(), name) != kTables.end()) return;
+  const std::string suggestion = suggestion_for(name, kTables);
+  if (suggestion.starts_with(", did you mean"))
+    files.fail(fmt::format("unknown table '{}'{}", name, suggestion));
+}
+
 }  // namespace
 
 MeasurementSet MeasurementSet::open(const std::filesystem::path& path) {
@@ -105,7 +116,10 @@ MeasurementSet MeasurementSet::open(const std::filesystem::path& path) {
           column, sigma, kLeastNoise, kMostNoise));
   }
   const ConfigNode files = root.at("files");
-  for (const std::string& name : files.keys()) set.inside(files.at(name));
+  for (const std::string& name : files.keys()) {
+    refuse_misspelt(files, name);
+    set.inside(files.at(name));
+  }
   return set;
 }
 

@@ -84,6 +84,13 @@ TEST(MeasurementSet, NamesStayInsideTheFolder) {
   EXPECT_NE(error_of("\"a\\0b\"").find("measurement.yaml:3"), std::string::npos);
 }
 
+TEST(MeasurementSet, MisspeltTablesAreRefused) {
+  EXPECT_EQ(error_of_set("files: {imu: imu.csv, attitudes: a.csv, weather: w.csv}\n"), "no error");
+  EXPECT_NE(error_of_set("files: {imu: imu.csv, attitude: a.csv}\n")
+                .find("unknown table 'attitude', did you mean 'attitudes'?"),
+            std::string::npos);
+}
+
 TEST(MeasurementSet, NoiseOfNoSensorIsRefused) {
   const auto error_of = [](const std::string& sigma) {
     return error_of_set("noise: {measured_rad: " + sigma + "}\nfiles: {joints: joints.csv}\n");

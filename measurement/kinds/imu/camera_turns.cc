@@ -20,6 +20,9 @@ constexpr double kMostApart_s = 1;
 constexpr double kMostTurn_rad = 2.5;
 // Steps of the sensor's time longer than so many usual ones are gaps.
 constexpr double kCameraGap = 3;
+// No attitude is known better, and none worse says anything of a turn.
+constexpr double kLeastSigma_rad = 1e-9, kMostSigma_rad = 1;
+constexpr double kMostExposure_s = 100;
 
 void read_gyroscope(const MeasurementSet& set, CameraData& data, int64_t& first_ns) {
   const CsvTable table = set.table("imu");
@@ -56,8 +59,10 @@ std::vector<Vec3> variances_of(const CsvTable& table) {
         table.has("sigma_rad") ? "sigma_rad" : fmt::format("sigma_{}_rad", "xyz"[axis]);
     const std::vector<double> sigma = table.numbers(name);
     for (size_t row = 0; row < sigma.size(); ++row) {
-      if (!(sigma[row] > 0))
-        table.fail(row, name, table.cell(row, name), "a standard error of more than 0");
+      if (!(sigma[row] >= kLeastSigma_rad && sigma[row] <= kMostSigma_rad))
+        table.fail(
+            row, name, table.cell(row, name),
+            fmt::format("a standard error of {:g} to {:g} rad", kLeastSigma_rad, kMostSigma_rad));
       variances[row][axis] = sigma[row] * sigma[row];
     }
   }
@@ -75,6 +80,9 @@ void read_views(const CsvTable& table, int64_t first_ns, CameraData& data) {
     expect_later(table, time_ns, row);
     constexpr double kOff = 0.01;  // More than digits that were cut.
     const double size = w[row] * w[row] + x[row] * x[row] + y[row] * y[row] + z[row] * z[row];
+    if (!(exposure_s[row] >= 0 && exposure_s[row] <= kMostExposure_s))
+      table.fail(row, "exposure_s", table.cell(row, "exposure_s"),
+                 fmt::format("an exposure of 0 to {:g} s", kMostExposure_s));
     if (std::abs(size - 1) > kOff)
       table.fail(row, "qw", table.cell(row, "qw"), "qw, qx, qy, qz of length 1");
     data.views.push_back({.line = table.line(row),

@@ -67,8 +67,9 @@ double usual_step_s(const CsvTable& table, const Columns& columns) {
     steps.push_back(1e-9 * static_cast<double>(columns.time_ns[row] - columns.time_ns[row - 1]));
   }
   if (steps.empty())
-    throw InputError(fmt::format("{}: found {} rows, expected samples that follow each other",
-                                 table.file(), table.rows()));
+    throw InputError(fmt::format(
+        "{}: found no two rows of one run ({} of all), expected samples that follow each other",
+        table.file(), table.rows()));
   return median_of(steps);
 }
 
@@ -98,6 +99,24 @@ void take(const Columns& columns, std::vector<size_t> rows, ImuData& data) {
   }
   stretch.rows = std::move(rows);
   data.stretches.push_back(std::move(stretch));
+}
+
+// An axis that reads the same in all rows has no noise that could be seen.
+void expect_scatter(const CsvTable& table, const ImuData& data) {
+  for (size_t axis = 0; axis < kImuAxes; ++axis) {
+    if (!data.has[axis]) continue;
+    const double first = data.stretches.front().samples[axis].front();
+    const bool scatters =
+        std::any_of(data.stretches.begin(), data.stretches.end(), [&](const ImuStretch& stretch) {
+          return std::any_of(stretch.samples[axis].begin(), stretch.samples[axis].end(),
+                             [&](double sample) { return sample != first; });
+        });
+    if (!scatters)
+      throw InputError(fmt::format(
+          "{}: column {} is {} in all rows, expected readings that scatter: leave out the three "
+          "columns of a sensor that was not logged",
+          table.file(), kImuColumns[axis], first));
+  }
 }
 
 // A temperature that is logged more slowly than the rest stays until the next one.
@@ -132,7 +151,7 @@ ImuData read_imu(const MeasurementSet& set, bool measured) {
     if (measured) expect_whole(table, kImuColumns, sensor);
   }
   Columns columns{.time_ns = table.times_ns("time_s"), .truth = columns_of(table, kImuTruth)};
-  if (table.has(set.group)) columns.run = table.texts(set.group);
+  if (table.has(set.group) || set.root.has("group")) columns.run = table.texts(set.group);
   if (measured) columns.samples = columns_of(table, kImuColumns);
   if (table.has(kImuWarmth)) columns.temperature_c = table.numbers_or_blank(kImuWarmth);
   hold_last(columns.temperature_c);
@@ -164,6 +183,7 @@ ImuData read_imu(const MeasurementSet& set, bool measured) {
         "{}: found no stretch of {} samples with even times and one reference, expected a rest or "
         "a turn at one rate that lasts so long",
         table.file(), kLeastSamples));
+  if (measured) expect_scatter(table, data);
   return data;
 }
 
