@@ -18,8 +18,8 @@ namespace seam::measurement {
 
 std::string unit_of(const std::string& column) {
   static constexpr std::pair<const char*, const char*> kUnits[] = {
-      {"_radps", "rad/s"}, {"_mps", "m/s"}, {"_rad", "rad"}, {"_px", "px"},
-      {"_nm", "N m"},      {"_m", "m"},     {"_s", "s"},     {"_v", "V"}};
+      {"_radps", "rad/s"}, {"_mps2", "m/s^2"}, {"_mps", "m/s"}, {"_rad", "rad"}, {"_px", "px"},
+      {"_nm", "N m"},      {"_m", "m"},        {"_s", "s"},     {"_v", "V"}};
   for (const auto& [suffix, unit] : kUnits) {
     if (column.ends_with(suffix)) return unit;
   }

@@ -45,7 +45,7 @@ std::string nearest_text(const SearchResult& result) {
     names = {best->effect->name}, left = best->grown.assessment.error;
   }
   if (!(left < kNoNearer * result.base.assessment.error)) return "";
-  return fmt::format(" Nearest: {}, {} {:.3g} of {:.3g}.", fmt::join(names, ", "),
+  return fmt::format(" Nearest: {}, which {} {:.3g} of {:.3g}.", fmt::join(names, ", "),
                      names.size() == 1 ? "leaves" : "leave", left, result.base.assessment.error);
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "effects/kind.h"
 #include "measurement/check/doubts.h"
 #include "measurement/report/curves/curves_told.h"
 #include "measurement/report/figures_told.h"
@@ -195,10 +196,12 @@ std::string compare_text(const Problem& problem, const CompareResult& result,
   const Notes notes = notes_of(problem, base.model);
   std::string text = first_lines(headline(problem, result), doubts);
   if (!base.held.valid)
-    text +=
-        "Some observations have no prediction with this model (points behind the camera, or beyond "
-        "the angle at which the lens folds back): the error below leaves them out; seam check "
-        "--model MODEL names them.\n";
+    text += fmt::format(
+        "Some observations have no prediction with this model{}: the error below leaves them out; "
+        "seam check --model MODEL names them.\n",
+        problem.facts().set.kind == effects::kPoints
+            ? " (points behind the camera, or beyond the angle at which the lens folds back)"
+            : "");
   text += fmt::format(
       "{}: {} residuals in {} groups\nerror on held-out groups {:.4f} (1.0 is the noise)\n",
       problem.facts().title, count_used(problem), problem.facts().groups.size(), base.error);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measurement/check/describe.h"
 #include "measurement/judge/doubted.h"
 #include "measurement/judge/material.h"
 #include "measurement/problem/neighbour.h"
@@ -51,9 +52,8 @@ std::string words_of_covariate(const std::string& covariate) {
 
 // "8.02 px" of `u_px`: a residual's name ends in its unit, but those that count things.
 std::string with_unit(double value, const std::string& residual) {
-  for (const char* unit : {"px", "m", "rad", "s"}) {
-    if (residual.ends_with(std::string("_") + unit)) return fmt::format("{:.3g} {}", value, unit);
-  }
+  const std::string unit = unit_of(residual);
+  if (!unit.empty()) return fmt::format("{:.3g} {}", value, unit);
   return fmt::format("{:.3g}{}", value, residual == "dn" ? " DN" : "");
 }
 

@@ -75,6 +75,11 @@ TEST(ToldStructure, HasUnitsNoiseAndOneCutP) {
             "  mean of u_px varies with row x pan rate: 8.02 px, 53 x noise, p < 1e-300\n"
             "  mean of u_px varies with sign of pan rate: 1.5 px, 10 x noise\n"
             "  mean of u_px differs from frame to frame: 0.3 px, 2 x noise, p = 2e-09\n");
+  Structure torque = of_u("time", 0.041, 2e-9);
+  torque.residual = "effort_nm";
+  EXPECT_THAT(structure_lines(room, {}, {torque}), testing::HasSubstr("time: 0.041 N m"));
+  torque.residual = "gravity_mps2";
+  EXPECT_THAT(structure_lines(room, {}, {torque}), testing::HasSubstr("time: 0.041 m/s^2"));
   EXPECT_EQ(told_structure(room.facts(), of_u("constant")), "mean of u_px is not 0");
   EXPECT_EQ(told_structure(room.facts(), of_u("neighbour")), "u_px is correlated in time");
 }
@@ -109,7 +114,7 @@ TEST(Headline, SaysThatNoKnownEffectExplainsItAndWhatComesNearest) {
   result.steps = {{.effect = "focal_length_error"}};
   EXPECT_EQ(headline(room, result, 0),
             "No known effect explains this: mean of u_px varies with time (1.5 x noise). Nearest: "
-            "focal_length_error, leaves 1.52 of 3.1.\n");
+            "focal_length_error, which leaves 1.52 of 3.1.\n");
   // What leaves as much comes near to nothing.
   result.best.assessment.error = 3.1;
   EXPECT_EQ(headline(room, result, 0).find("Nearest"), std::string::npos);
