@@ -1,7 +1,6 @@
 // The candidate effects, ranked, with what each would bring and which of them the data do not separate.
 import { number, pColumn, words } from "../shared/format";
-import { Gain, ParameterList } from "../shared/parts";
-import { Rich } from "../shared/rich";
+import { Gain, ParameterList, PValue } from "../shared/parts";
 import { DataTable, type Column, type Row } from "../shared/table";
 import type { Candidate } from "../shared/types";
 import type { Report } from "./data";
@@ -82,7 +81,7 @@ function rowOf(c: Candidate, p: string): Row {
     </>,
     <Gain gain={c.gain} sigma={c.gain_sigma} />,
     number(c.error, 4),
-    <Rich text={p} />,
+    <PValue text={p} />,
     <>
       <ParameterList parameters={c.parameters} />
       {Object.entries(c.with ?? {}).map(([name, parameters]) => (

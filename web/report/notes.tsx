@@ -35,13 +35,26 @@ export function LookedFor({ report }: { report: Report }) {
   const all = report.result.looked_for ?? [];
   if (all.length === 0) return null;
   const sorted = outcomes.flatMap((outcome) => all.filter((item) => item.outcome === outcome));
+  const first = sorted.filter((item) => item.outcome !== "nothing"), nothing = sorted.slice(first.length);
   return (
     <section id="looked-for">
       <h2>What was looked for</h2>
       <p class="lead">Beside the catalogue's effects, in the model with all effects found.</p>
-      <DataTable columns={[{ label: "What" }, { label: "Of" }, { label: "Outcome" }, { label: "Why", class: "why" }]}
-        rows={sorted.map((item) => ({ cells: [item.what, item.of.join(", "), item.outcome, item.why] }))} />
+      {first.length > 0 && <Looks items={first} />}
+      {nothing.length > 0 && (
+        <details class="more">
+          <summary>{nothing.length} without result</summary>
+          <Looks items={nothing} />
+        </details>
+      )}
     </section>
+  );
+}
+
+function Looks({ items }: { items: NonNullable<Report["result"]["looked_for"]> }) {
+  return (
+    <DataTable columns={[{ label: "What" }, { label: "Of" }, { label: "Outcome" }, { label: "Why", class: "why" }]}
+      rows={items.map((item) => ({ cells: [item.what, item.of.join(", "), item.outcome, item.why] }))} />
   );
 }
 

@@ -1,7 +1,6 @@
 // The list of what the residuals depend on, surest first, and the strongest of those that are equally sure.
 import { number, pColumn, splitUnit, words } from "../shared/format";
-import { Strength } from "../shared/parts";
-import { Rich } from "../shared/rich";
+import { PValue, Strength } from "../shared/parts";
 import { DataTable, type Column } from "../shared/table";
 import type { Structure as Item } from "../shared/types";
 import { steps, type Report } from "./data";
@@ -71,7 +70,7 @@ function Rows({ items, all }: { items: Item[]; all: Item[] }) {
       item.moment,
       words(item.covariate),
       <Strength item={item} all={all} />,
-      <Rich text={p[i]} />,
+      <PValue text={p[i]} />,
     ] }))} />
   );
 }

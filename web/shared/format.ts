@@ -44,10 +44,12 @@ export function pValue(p: number | null | undefined): string {
   return number(p, 2);
 }
 
+export const ditto = "″";
+
 /** The p-values of a table's rows: in rows on end what is below 1e-300 is said once, then by ditto marks. */
 export function pColumn(values: (number | null | undefined)[]): string[] {
   const cut = (p: number | null | undefined) => p !== null && p !== undefined && p <= 1e-300;
-  return values.map((p, i) => (cut(p) && i > 0 && cut(values[i - 1]) ? "″" : pValue(p)));
+  return values.map((p, i) => (cut(p) && i > 0 && cut(values[i - 1]) ? ditto : pValue(p)));
 }
 
 export function percent(fraction: number | null | undefined): string {

@@ -1,5 +1,5 @@
 // Small drawings and lists that stand in tables: parameters with their errors, gains, strengths.
-import { number, percent, splitUnit, withSigma } from "./format";
+import { ditto, number, percent, pValue, splitUnit, withSigma } from "./format";
 import { Rich } from "./rich";
 import { asValue, type Parameters, type Structure } from "./types";
 
@@ -14,6 +14,12 @@ export function ParameterList({ parameters }: { parameters?: Parameters }) {
       })}
     </ul>
   );
+}
+
+/** An entry of pColumn: on a narrow page, where each row is a card, nothing stands above a ditto mark. */
+export function PValue({ text }: { text: string }) {
+  if (text !== ditto) return <Rich text={text} />;
+  return <><span class="in-rows">{ditto}</span><span class="in-cards"><Rich text={pValue(0)} /></span></>;
 }
 
 /** A bar from zero with a whisker of one standard error; a loss is drawn to the left in grey. */

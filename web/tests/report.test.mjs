@@ -45,7 +45,8 @@ async function checkWords(page, file) {
     for (const part of [result.suggestion.formula, "seam add NAME.yaml", ...result.suggestion.beside])
       assert.ok(shown.includes(part), `${file}: the formula's place does not have ${part}`);
   }
-  for (const table of await page.locator("table.data").all()) {
+  // On a narrow page each row is a card, which says all of its own.
+  for (const table of page.viewportSize().width > 620 ? await page.locator("table.data").all() : []) {
     const cut = (await table.locator("tbody tr:not(.heading)").allInnerTexts()).map((row) => row.includes("< 10"));
     assert.ok(!cut.some((now, i) => now && cut[i - 1]), `${file}: rows on end say that p is below 1e-300`);
   }
@@ -152,6 +153,26 @@ async function checkHeading(browser) {
   await page.close();
 }
 
+/** What was looked for in vain is folded up; on a narrow page, whose rows are cards, no p is a ditto mark and no cell blank. */
+async function checkCards(browser) {
+  const { page } = await openPage(browser, { width: 390, height: 800 });
+  const report = fixtures.diagnosePoints(), file = join(folder, "cards.html");
+  const look = (of, outcome, why) => ({ what: "smooth function", of, outcome, why });
+  report.result.looked_for = [look(["row"], "nothing", "log-evidence -4"), look(["time"], "found", "log-evidence +90"),
+    look([], "not tested", "")];
+  for (const item of report.result.structure.slice(0, 2)) item.p_value = 1e-300;
+  writeFileSync(file, fill(readFileSync(join(share, "report.html"), "utf8"), report));
+  await page.goto(pathToFileURL(file).href);
+  const text = await page.locator("#looked-for").innerText();
+  assert.match(text, /time[^]*found[^]*1 without result/);
+  assert.doesNotMatch(text, /nothing/);
+  assert.equal(await page.locator("#looked-for td:visible").count(), 6, "a blank cell has no line");
+  assert.match((await page.locator("table.structure tbody tr").allInnerTexts())[1], /< 10/);
+  await page.setViewportSize({ width: 1280, height: 800 });
+  assert.match((await page.locator("table.structure tbody tr").allInnerTexts())[1], /″$/);
+  await page.close();
+}
+
 /** The template alone, or a page that was cut, says so instead of staying white. */
 async function checkBroken(browser) {
   const { page, errors } = await openPage(browser);
@@ -172,6 +193,7 @@ try {
   }
   if (given.length === 0) await checkMeaning(browser);
   if (given.length === 0) await checkHeading(browser);
+  if (given.length === 0) await checkCards(browser);
   if (given.length === 0) await checkBroken(browser);
 } finally {
   await browser.close();
