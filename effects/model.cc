@@ -83,6 +83,18 @@ std::string quoted(const std::string& text) {
   return out.c_str();
 }
 
+// A name of a formula or of its parameter as a key of YAML, in quotes where it is no plain word.
+std::string key_text(const std::string& name) {
+  const auto is_letter = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+  };
+  const bool plain = !name.empty() && is_letter(name.front()) &&
+                     std::all_of(name.begin(), name.end(), [&](char c) {
+                       return is_letter(c) || (c >= '0' && c <= '9') || c == '-' || c == '@';
+                     });
+  return plain ? name : quoted(name);
+}
+
 size_t place_of(const EffectDefinition& definition) {
   const auto& all = catalogue();
   for (size_t i = 0; i < all.size(); ++i) {
@@ -168,12 +180,13 @@ std::string Model::to_yaml() const {
     const EffectDefinition& definition = *effect.definition;
     const std::string source = expression_source(definition);
     if (!source.empty()) {
-      out += "  " + definition.name + ":\n" + source + "    parameters:\n";
+      out += "  " + key_text(definition.name) + ":\n" + source + "    parameters:\n";
       for (size_t i = 0; i < effect.parameters.size(); ++i) {
         const Parameter& parameter = definition.parameters[i];
         const ParameterValue& value = effect.parameters[i];
-        out += fmt::format("      {}: {{value: {}, neutral: {}, min: {}, max: {}", parameter.name,
-                           value.value, parameter.neutral, parameter.min, parameter.max);
+        out += fmt::format("      {}: {{value: {}, neutral: {}, min: {}, max: {}",
+                           key_text(parameter.name), value.value, parameter.neutral, parameter.min,
+                           parameter.max);
         if (value.sigma) out += ", sigma: " + number_text(*value.sigma);
         if (value.free) out += ", free: true";
         if (value.spread != 0) out += ", spread: " + number_text(value.spread);
@@ -198,7 +211,7 @@ std::string Model::to_yaml() const {
     bool first = true;
     for (size_t i = 0; i < step.parameters.size(); ++i) {
       if (!std::isfinite(step.parameters[i].second.value)) continue;
-      out += (first ? "" : ", ") + step.parameters[i].first + ": " +
+      out += (first ? "" : ", ") + key_text(step.parameters[i].first) + ": " +
              value_text(step.parameters[i].second);
       first = false;
     }

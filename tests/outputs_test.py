@@ -155,6 +155,12 @@ class Outputs(unittest.TestCase):
             self.refused("the same file as", "replay", "verify", self.log, "--json", other, code=2)
         self.refused("the same file as", "run", self.scenario, "--log", self.scenario, "--force", code=2)
         self.assertEqual(self.log.read_bytes(), before)
+        own = self.here / "own.yaml"
+        own.write_text("effects: {}\n")
+        analysed = ["--model", SOURCE / "docs/tutorial/nominal.yaml", "--data", SOURCE / "docs/tutorial/room"]
+        self.refused("the same file as", "add", own, *analysed, "--out", own, code=2)
+        self.refused("the same file as", "diagnose", "--candidates", own, *analysed, "--suggest", own, code=2)
+        self.assertEqual(own.read_text(), "effects: {}\n")
 
     def test_an_earlier_run_is_overwritten_only_where_asked(self):
         log, frames = self.here / "l.mcap", self.here / "f"

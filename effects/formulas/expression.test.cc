@@ -136,6 +136,17 @@ TEST(Expression, FileRoundTripKeepsTheFormula) {
   EXPECT_EQ(effect.definition->joint_map(effect.values(), sample), 1 - 0.5 * 2);
 }
 
+TEST(Expression, FileRoundTripKeepsAnyName) {
+  for (const char* name : {"a: {b} #", "</script>", "- slip", "a b", "12", "'"}) {
+    const Model model = model_of(fmt::format(
+        "  \"{}\": {{stage: sensor, mean: \"mean + k * t\", parameters: {{k: {{value: 0.5}}}}}}",
+        name));
+    const Model again = Model::from_config(ConfigNode::from_text(model.to_yaml(), "again"));
+    ASSERT_EQ(again.effects().size(), 1u) << name;
+    EXPECT_EQ(again.effects()[0].definition->name, model.effects()[0].definition->name);
+  }
+}
+
 TEST(Expression, FileRoundTripKeepsWhatIsSaidOfAValue) {
   const Model model = model_of(
       "  warm: {stage: sensor, mean: \"mean + k * t\", parameters: {k: {value: 0.5, sigma: 0.01, "

@@ -1,4 +1,9 @@
 // `seam add`: fits one effect and adds it to a model.
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "effects/registry.h"
 #include "measurement/report/figures_told.h"
 #include "measurement/report/target_told.h"
 #include "measurement/report/told.h"
@@ -9,6 +14,26 @@
 namespace seam::tools {
 namespace {
 
+// One line a reason: what many parameters share is said once.
+std::string not_fitted_text(const std::vector<measurement::NotTestable>& all) {
+  constexpr size_t kMostNamed = 4;
+  std::vector<std::pair<std::string, std::vector<std::string>>> names;  // By reason.
+  for (const measurement::NotTestable& n : all) {
+    auto found = std::find_if(names.begin(), names.end(),
+                              [&](const auto& entry) { return entry.first == n.why; });
+    if (found == names.end()) found = names.insert(names.end(), {n.why, {}});
+    found->second.push_back(n.parameter.empty() ? n.effect : n.effect + "." + n.parameter);
+  }
+  std::string text;
+  for (auto& [why, list] : names) {
+    const size_t more = list.size() > kMostNamed ? list.size() - kMostNamed : 0;
+    list.resize(list.size() - more);
+    text += fmt::format("  not fitted: {}{}: {}\n", fmt::join(list, ", "),
+                        more == 0 ? "" : fmt::format(" and {} more", more), why);
+  }
+  return text;
+}
+
 // `before`: the model to which the effect was added.
 std::string text_of(const measurement::AddResult& result, const effects::Model& before) {
   std::string text = result.effect.empty() ? "refitted\n"
@@ -16,11 +41,16 @@ std::string text_of(const measurement::AddResult& result, const effects::Model& 
                          ? "refitted " + result.effect + ", which the model has already\n"
                          : "added " + result.effect + "\n";
   for (const std::string& name : result.replaced) text += fmt::format("  instead of {}\n", name);
-  for (const auto& [name, value] : result.parameters)
+  constexpr size_t kMostValues = 20;  // An effect with more of them lists the first alone.
+  const effects::ModelEffect* added = result.model.find(result.effect);
+  const size_t count = result.parameters.size();
+  const size_t shown = added != nullptr && added->parameters.size() > kMostValues ? 1 : count;
+  for (size_t i = 0; i < shown; ++i) {
+    const auto& [name, value] = result.parameters[i];
     text += fmt::format("  {} = {}\n", name, measurement::told_value(result.model, name, value));
-  for (const measurement::NotTestable& n : result.not_testable)
-    text += fmt::format("  not fitted: {}{}{}: {}\n", n.effect, n.parameter.empty() ? "" : ".",
-                        n.parameter, n.why);
+  }
+  if (shown < count) text += fmt::format("  and {} more values, in the model\n", count - shown);
+  text += not_fitted_text(result.not_testable);
   return text + fmt::format("error on held-out groups {:.4f} -> {:.4f} (1.0 is the noise)\n",
                             result.error_before, result.error_after);
 }
@@ -52,7 +82,7 @@ void add_add(app::Command app) {
       "Example: seam add rolling_shutter --model nominal.yaml --data sets/points-a --out "
       "better.yaml");
   command.callback([flags, effect, out] {
-    AnalysisOutputs outputs(*flags, *out);
+    AnalysisOutputs outputs(*flags, *out, effects::find_effect(*effect) ? "" : *effect);
     const effects::Model model = read_model(flags->model);
     const auto effects = effects_named(*effect);
     const auto problem = open_problem(*flags);

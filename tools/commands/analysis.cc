@@ -124,10 +124,12 @@ std::string how_to_add(const AnalysisFlags& flags, const std::string& model,
          how_to_add_lens(flags, model, result);
 }
 
-AnalysisOutputs::AnalysisOutputs(const AnalysisFlags& flags, const std::string& out_file) {
+AnalysisOutputs::AnalysisOutputs(const AnalysisFlags& flags, const std::string& out_file,
+                                 const std::string& further) {
   OutputRules rules{
       .inputs = {flags.model, std::filesystem::path(flags.data) / "measurement.yaml"}};
-  if (!flags.leave_out.empty()) rules.inputs.emplace_back(flags.leave_out);
+  for (const std::string& input : {flags.leave_out, further})
+    if (!input.empty()) rules.inputs.emplace_back(input);
   json = OutputFile(flags.json, rules);
   report = OutputFile(flags.report, rules);
   out = OutputFile(out_file, rules);

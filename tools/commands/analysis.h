@@ -64,7 +64,9 @@ std::string how_to_add(const AnalysisFlags& flags, const std::string& model,
 // What a command writes, claimed before it reads and computes: a path that cannot be written is
 // an error at once. `out` is a model or effect that the command makes.
 struct AnalysisOutputs {
-  explicit AnalysisOutputs(const AnalysisFlags& flags, const std::string& out = "");
+  // `further`: a file that is read, too; empty: none.
+  explicit AnalysisOutputs(const AnalysisFlags& flags, const std::string& out = "",
+                           const std::string& further = "");
   // Prints the text; writes the JSON, which may be long to make, where the user asked for it.
   void print(const std::string& text, const std::function<std::string()>& make_json);
 
