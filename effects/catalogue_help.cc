@@ -69,6 +69,8 @@ std::string list_text(const std::vector<Quantity>& list) {
   return text;
 }
 
+constexpr size_t kMostParameters = 20;  // More of them, as of a grid, are not listed one by one.
+
 const Stage kStages[] = {Stage::timing,   Stage::joint,           Stage::mount,      Stage::target,
                          Stage::geometry, Stage::corner_detector, Stage::radiometry, Stage::light,
                          Stage::sensor,   Stage::detector,        Stage::locomotion, Stage{12}};
@@ -94,11 +96,19 @@ std::string effect_help(const EffectDefinition& effect) {
   for (const std::string& line : advice_lines(effect))
     text += fmt::format("To separate it from {}\n", line);
   text += effect.parameters.empty() ? "Parameters: none\n" : "Parameters:\n";
-  for (const Parameter& parameter : effect.parameters) {
+  const size_t count = effect.parameters.size(), shown = count > kMostParameters ? 5 : count;
+  for (size_t i = 0; i < shown; ++i) {
+    const Parameter& parameter = effect.parameters[i];
     text += fmt::format("  {}  {} ({})\n", parameter.name, parameter.help, range_text(parameter));
   }
-  if (!effect.proof.empty()) text += "Worked examples:\n";
-  for (const Proof& proof : effect.proof) text += fmt::format("  {}\n", proof_text(effect, proof));
+  if (shown < count) {
+    std::vector<std::string> names;
+    for (size_t i = shown; i < count; ++i) names.push_back(effect.parameters[i].name);
+    text += fmt::format("  and {} more like these: {}\n", names.size(), fmt::join(names, ", "));
+  }
+  if (!effect.proof.empty() && shown == count) text += "Worked examples:\n";
+  for (const Proof& proof : effect.proof)
+    if (shown == count) text += fmt::format("  {}\n", proof_text(effect, proof));
   return text + fmt::format("\nIn a model:\n  effects:\n    {}\n", effect.example);
 }
 

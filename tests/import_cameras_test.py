@@ -544,4 +544,31 @@ def test_round_trip(folder):
         assert len(rows_of(folder / f"made-{form}" / "points.csv")) > 500
 
 
+def test_round_trip_of_splines(folder):
+    import yaml
+    model, lens = folder / "model.yaml", "  spline_lens: {fov_x_deg: 98, x_1_1: -0.02, y_4_5: 0.015625}\n"
+    model.write_text("format: seam-model/1\nname: seen\neffects:\n  pinhole: {fx_px: 400, fy_px: 401, cx_px: 320, cy_px: 239}\n" + lens)
+    run("export", model, "--to", "mrcal", "--out", folder / "s.cameramodel", "--size", "640x480")
+    said = imported("mrcal", folder / "s.cameramodel", out=folder / "back")
+    assert "a lens of splines" in said and "warning" not in said, said
+    back = yaml.safe_load((folder / "back" / "nominal.yaml").read_text())["effects"]
+    assert back["pinhole"] == {"fx_px": 400, "fy_px": 401, "cx_px": 320, "cy_px": 239}
+    assert {name: float(value) for name, value in back["spline_lens"].items() if float(value) != 0} == yaml.safe_load(lens)["spline_lens"]
+    # What says so many values says few of them.
+    assert "fov_x_deg = 98, and 96 more values" in run("check", folder / "back" / "nominal.yaml")
+    assert "and 92 more like these: " in run("effects", "spline_lens")
+    run("measure", "--model", folder / "back" / "nominal.yaml", "--protocol", folder / "back", "--out", folder / "made")
+    plain = folder / "plain.yaml"
+    plain.write_text(model.read_text().replace(lens, ""))
+    said = run("add", "spline_lens", "--model", plain, "--data", folder / "made", "--out", folder / "added.yaml")
+    assert "and 96 more values, in the model" in said and said.count("not fitted") <= 2, said
+    # Other grids are no lens of the catalogue.
+    text = (folder / "s.cameramodel").read_text()
+    for was, becomes in [("Nx=8", "Nx=9"), ("-0.02", "-20"), ("98'", "9x'"), ("0.015625, ", "")]:
+        assert text.count(was) == 1
+        (folder / "other.cameramodel").write_text(text.replace(was, becomes))
+        said = imported("mrcal", folder / "other.cameramodel", out=folder / f"other{ord(was[0])}{len(was)}")
+        assert "is no lens of the catalogue" in said, said
+
+
 run_tests(globals())

@@ -37,17 +37,21 @@ struct CheckSettings {
   std::string model;
 };
 
+constexpr size_t kMostValues = 20;  // An effect with more of them lists the first alone.
+
 std::string effects_text(const effects::Model& model) {
   std::string text;
   for (const effects::ModelEffect& effect : model.effects()) {
     text += fmt::format("  {:<12} ", effect.definition->name);
-    for (size_t i = 0; i < effect.parameters.size(); ++i) {
+    const size_t count = effect.parameters.size(), shown = count > kMostValues ? 1 : count;
+    for (size_t i = 0; i < shown; ++i) {
       const effects::ParameterValue& value = effect.parameters[i];
       text += fmt::format("{}{} = {:.6g}", i == 0 ? "" : ", ",
                           effect.definition->parameters[i].name, value.value);
       if (value.sigma) text += fmt::format(" +- {:.2g}", *value.sigma);
       if (value.free) text += " (free)";
     }
+    if (shown < count) text += fmt::format(", and {} more values", count - shown);
     text += "\n";
   }
   return text;

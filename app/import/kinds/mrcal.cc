@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -15,6 +16,9 @@
 #include "app/import/files/source_file.h"
 #include "app/import/files/text_table.h"
 #include "app/import/kinds/kinds.h"
+#include "effects/questions.h"
+#include "effects/registry.h"
+#include "effects/stages/spline_grid.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
@@ -26,8 +30,9 @@ struct CameraModel {
   std::string file;
   PlainCamera camera;
   bool known_lens = true;
-  std::string inputs;  // Packed; empty: none.
-  size_t index = 0;    // Of this camera in them.
+  std::string splines;  // The effect's line, of a lens of splines that is in the catalogue.
+  std::string inputs;   // Packed; empty: none.
+  size_t index = 0;     // Of this camera in them.
 };
 
 std::vector<double> numbers(const json& model, const char* key, const std::string& file) {
@@ -40,6 +45,35 @@ std::vector<double> numbers(const json& model, const char* key, const std::strin
     values.push_back(value.get<double>());
   }
   return values;
+}
+
+// The line of the catalogue's lens of splines where the file's control points are as many as its
+// own; empty: another lens.
+std::string splines_of(std::string_view name, const std::vector<double>& moved) {
+  using namespace effects;
+  const std::string form =
+      fmt::format("LENSMODEL_SPLINED_STEREOGRAPHIC_order=3_Nx={}_Ny={}_fov_x_deg=", kSplineColumns,
+                  kSplineRows);
+  if (!name.starts_with(form)) return "";
+  const std::string_view after = name.substr(form.size());
+  int fov_deg = 0;
+  const auto [end, error] = std::from_chars(after.data(), after.data() + after.size(), fov_deg);
+  if (error != std::errc() || end != after.data() + after.size()) return "";
+  const auto& all = catalogue();
+  const auto found =
+      std::find_if(all.begin(), all.end(), [](const auto& one) { return is_any_lens(*one); });
+  if (found == all.end()) return "";
+  const EffectDefinition& effect = **found;
+  std::vector<double> values = {static_cast<double>(fov_deg)};
+  values.insert(values.end(), moved.begin(), moved.end());
+  if (values.size() != effect.parameters.size()) return "";
+  std::string line;
+  for (size_t i = 0; i < values.size(); ++i) {
+    const Parameter& parameter = effect.parameters[i];
+    if (!(values[i] >= parameter.min && values[i] <= parameter.max)) return "";
+    line += fmt::format("{}{}: {}", line.empty() ? "" : ", ", parameter.name, exact(values[i]));
+  }
+  return fmt::format("  {}: {{{}}}\n", effect.name, line);
 }
 
 CameraModel read_model(const std::filesystem::path& path, SetDraft& draft) {
@@ -65,13 +99,14 @@ CameraModel read_model(const std::filesystem::path& path, SetDraft& draft) {
   } else {
     // Splined, stereographic, CAHVOR: near the axis all are alike.
     found.known_lens = false;
+    found.splines = splines_of(name, rest);
   }
   check_camera(camera, found.file);
   if (model.contains("optimization_inputs") && model["optimization_inputs"].is_string())
     found.inputs = model["optimization_inputs"].get<std::string>();
   if (model.contains("icam_intrinsics") && model["icam_intrinsics"].is_number())
     found.index = static_cast<size_t>(std::max(0.0, model["icam_intrinsics"].get<double>()));
-  if (!found.known_lens)
+  if (!found.known_lens && found.splines.empty())
     draft.warn(
         fmt::format("{}: {} is no lens of the catalogue: what it says beside focal lengths "
                     "and centre is left out",
@@ -265,6 +300,15 @@ void import_mrcal(const ImportRequest& request, SetDraft& draft) {
     draft.could_not_know("what it was calibrated from: the model has no optimization_inputs");
   }
   if (!model || model->known_lens) return;
+  const Lens& lens = model->camera.lens;
+  if (!model->splines.empty()) {
+    draft.effects =
+        fmt::format("  pinhole: {{fx_px: {}, fy_px: {}, cx_px: {}, cy_px: {}}}\n",
+                    exact(lens.fx_px), exact(lens.fy_px), exact(lens.cx_px), exact(lens.cy_px)) +
+        model->splines;
+    draft.did_instead("the nominal model is the calibration as it stands, a lens of splines");
+    return;
+  }
   draft.effects = free_fisheye(model->camera);
   draft.did_instead(
       "the nominal model has the file's focal lengths and centre and a fisheye, all free");
