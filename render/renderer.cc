@@ -32,9 +32,14 @@ std::string geometry_keys(const effects::Model& model) {
         effect.definition->base == effects::Base::projection)
       continue;
     std::string values;
-    for (size_t i = 0; i < effect.parameters.size(); ++i)
-      values += fmt::format("{}{}: {}", i > 0 ? ", " : "", effect.definition->parameters[i].name,
-                            effect.parameters[i].value);
+    // Of many values those that are neutral are not named.
+    constexpr size_t kMany = 20;
+    for (size_t i = 0; i < effect.parameters.size(); ++i) {
+      const effects::Parameter& parameter = effect.definition->parameters[i];
+      const double value = effect.parameters[i].value;
+      if (effect.parameters.size() > kMany && value == parameter.neutral) continue;
+      values += fmt::format("{}{}: {}", values.empty() ? "" : ", ", parameter.name, value);
+    }
     keys += fmt::format("{}effects.{} {{{}}}", keys.empty() ? "" : ", ", effect.definition->name,
                         values);
   }

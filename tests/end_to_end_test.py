@@ -192,6 +192,7 @@ class EndToEnd(unittest.TestCase):
             ("  lens_blur: {sigma_px: -1}\n", ["effects.lens_blur.sigma_px", "found -1"]),
             ("  radial_polynomial: {k1: -2, k2: 0, k3: 0}\n",
              ["effects.radial_polynomial {k1: -2", "no ray leads to pixel", "178x144"]),
+            ("  spline_lens: {fov_x_deg: 5, x_0_1: 0.01}\n", ["effects.spline_lens {fov_x_deg: 5, x_0_1: 0.01}: no ray leads to pixel"]),
         ]
         for effect, words in cases:
             model = self.write(f"format: seam-model/1\nname: bad\neffects:\n{pinhole}{effect}", "bad_model.yaml")

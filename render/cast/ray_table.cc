@@ -83,8 +83,19 @@ class RayFinder {
 
 using RayGrid = std::vector<std::optional<RayWithSlopes>>;
 
-// From the middle row outwards, so that a ray's neighbour is known.
-RayGrid find_rays(const Projection& projection, int border, int channel, double t_s) {
+[[noreturn]] void fail_without_ray(const Projection& projection, const std::string& subject,
+                                   int channel, double t_s, int u, int v) {
+  projection.check_at(u, v, t_s, channel);
+  throw InputError(
+      fmt::format("{}: no ray leads to pixel ({}, {}) of {}x{}, expected a calibration that can "
+                  "be inverted over the whole image (is a distortion too strong?)",
+                  subject, u, v, projection.width_px(), projection.height_px()));
+}
+
+// From the middle row outwards, so that a ray's neighbour is known. The first pixel of the image
+// without a ray ends it: beyond a fold each takes thousands of projections to fail.
+RayGrid find_rays(const Projection& projection, const std::string& subject, int border, int channel,
+                  double t_s) {
   const int columns = projection.width_px() + 2 * border,
             rows = projection.height_px() + 2 * border;
   const RayFinder finder(projection, channel, t_s);
@@ -97,6 +108,9 @@ RayGrid find_rays(const Projection& projection, int border, int channel, double 
     cell(column, row) =
         finder.find(column - border, row - border, neighbour ? &*neighbour : nullptr,
                     column - from_column, row - from_row);
+    const int u = column - border, v = row - border;
+    const bool inside = u >= 0 && v >= 0 && u < projection.width_px() && v < projection.height_px();
+    if (inside && !cell(column, row)) fail_without_ray(projection, subject, channel, t_s, u, v);
   };
   const int middle_row = rows / 2, middle_column = columns / 2;
   const auto fill_row = [&](int row) {
@@ -125,25 +139,9 @@ RayWithSlopes extrapolated(const RayGrid& grid, const Projection& projection, in
   return ray;
 }
 
-void check_image_has_rays(const RayGrid& grid, const Projection& projection, int border,
-                          const std::string& subject, int channel, double t_s) {
-  const int columns = projection.width_px() + 2 * border;
-  for (int v = 0; v < projection.height_px(); ++v) {
-    for (int u = 0; u < projection.width_px(); ++u) {
-      if (grid[static_cast<size_t>(v + border) * columns + u + border]) continue;
-      projection.check_at(u, v, t_s, channel);
-      throw InputError(fmt::format(
-          "{}: no ray leads to pixel ({}, {}) of {}x{}, expected a calibration that can "
-          "be inverted over the whole image (is a distortion too strong?)",
-          subject, u, v, projection.width_px(), projection.height_px()));
-    }
-  }
-}
-
 RayTable make_table(const Projection& projection, const std::string& subject, int border,
                     int channel, double t_s, bool& perspective) {
-  const RayGrid grid = find_rays(projection, border, channel, t_s);
-  check_image_has_rays(grid, projection, border, subject, channel, t_s);
+  const RayGrid grid = find_rays(projection, subject, border, channel, t_s);
   RayTable table;
   for (int k = 0; k < 3; ++k) {
     for (auto* values : {&table.base[k], &table.along_u[k], &table.along_v[k]})
