@@ -562,6 +562,11 @@ def test_round_trip_of_splines(folder):
     plain.write_text(model.read_text().replace(lens, ""))
     said = run("add", "spline_lens", "--model", plain, "--data", folder / "made", "--out", folder / "added.yaml")
     assert "and 96 more values, in the model" in said and said.count("not fitted") <= 2, said
+    # A lens that folds the image over is written with a doubt.
+    narrow = folder / "narrow.yaml"
+    narrow.write_text(model.read_text().replace("fov_x_deg: 98", "fov_x_deg: 5"))
+    said = run("export", narrow, "--to", "mrcal", "--out", folder / "narrow.cameramodel", "--size", "640x480")
+    assert "folds the image over" in said, said
     # Other grids are no lens of the catalogue.
     text = (folder / "s.cameramodel").read_text()
     for was, becomes in [("Nx=8", "Nx=9"), ("-0.02", "-20"), ("98'", "9x'"), ("0.015625, ", "")]:

@@ -322,10 +322,17 @@ class BesideACamera(Case):
         table, about = folder / "imu.csv", folder / "measurement.yaml"
         lines = [line.split(",") for line in table.read_text().splitlines()]
         at = lines[0].index("wy_radps")
-        table.write_text("".join(",".join([*cells[:at], "0" if number else cells[at], *cells[at + 1:]]) + "\n"
+        for value in ("0", "1e-200"):
+            table.write_text("".join(",".join([*cells[:at], value if number else cells[at], *cells[at + 1:]]) + "\n"
+                                     for number, cells in enumerate(lines)))
+            said = run("compare", "--model", folder / "nominal.yaml", "--data", folder, code=1)
+            self.assertIn(f"imu.csv: column wy_radps is {value} in all rows, expected readings that scatter", said)
+        # A temperature that is none.
+        at = lines[0].index("temperature_c")
+        table.write_text("".join(",".join([*cells[:at], "1e8" if number else cells[at], *cells[at + 1:]]) + "\n"
                                  for number, cells in enumerate(lines)))
         said = run("compare", "--model", folder / "nominal.yaml", "--data", folder, code=1)
-        self.assertIn("imu.csv: column wy_radps is 0 in all rows, expected readings that scatter", said)
+        self.assertIn("imu.csv:2: column temperature_c: found '1e8', expected degrees Celsius", said)
         # A column of groups that is not there is no run without a name.
         table.write_text("".join(",".join(cells) + "\n" for cells in lines))
         about.write_text("".join(line for line in about.read_text().splitlines(True) if not line.startswith("group:")) + "group: banana\n")

@@ -10,6 +10,7 @@
 #include "app/exchange/model_json.h"
 #include "app/exchange/servo_files.h"
 #include "effects/questions.h"
+#include "effects/stages/lens_domain.h"
 #include "effects/stages/spline_grid.h"
 #include "sim_core/base/error.h"
 
@@ -257,6 +258,8 @@ Exported Exporter::run() {
                     .cx_px = base.value("cx_px"),
                     .cy_px = base.value("cy_px")};
     out_.form = "splines over a stereographic projection";
+    for (const std::string& doubt : effects::lens_doubts(kept, camera_.width_px, camera_.height_px))
+      out_.notes.push_back(doubt);
   } else {
     splines = nullptr;
     camera_.lens = find_lens(kept).lens;

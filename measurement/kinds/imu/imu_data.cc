@@ -103,19 +103,30 @@ void take(const Columns& columns, std::vector<size_t> rows, ImuData& data) {
 
 // An axis that reads the same in all rows has no noise that could be seen.
 void expect_scatter(const CsvTable& table, const ImuData& data) {
+  constexpr double kLeast = 1e-12;  // As of a stated noise.
   for (size_t axis = 0; axis < kImuAxes; ++axis) {
     if (!data.has[axis]) continue;
     const double first = data.stretches.front().samples[axis].front();
     const bool scatters =
         std::any_of(data.stretches.begin(), data.stretches.end(), [&](const ImuStretch& stretch) {
           return std::any_of(stretch.samples[axis].begin(), stretch.samples[axis].end(),
-                             [&](double sample) { return sample != first; });
+                             [&](double sample) { return std::abs(sample - first) >= kLeast; });
         });
     if (!scatters)
       throw InputError(fmt::format(
-          "{}: column {} is {} in all rows, expected readings that scatter: leave out the three "
+          "{}: column {} is {:g} in all rows, expected readings that scatter: leave out the three "
           "columns of a sensor that was not logged",
           table.file(), kImuColumns[axis], first));
+  }
+}
+
+// A sensor's temperature in degrees Celsius, blank or not.
+void expect_warmth(const CsvTable& table, const std::vector<double>& warmth_c) {
+  constexpr double kLeast_c = -273.15, kMost_c = 1000;
+  for (size_t row = 0; row < warmth_c.size(); ++row) {
+    if (warmth_c[row] < kLeast_c || warmth_c[row] > kMost_c)
+      table.fail(row, kImuWarmth, table.cell(row, kImuWarmth),
+                 fmt::format("degrees Celsius, {:g} to {:g}", kLeast_c, kMost_c));
   }
 }
 
@@ -154,6 +165,7 @@ ImuData read_imu(const MeasurementSet& set, bool measured) {
   if (table.has(set.group) || set.root.has("group")) columns.run = table.texts(set.group);
   if (measured) columns.samples = columns_of(table, kImuColumns);
   if (table.has(kImuWarmth)) columns.temperature_c = table.numbers_or_blank(kImuWarmth);
+  expect_warmth(table, columns.temperature_c);
   hold_last(columns.temperature_c);
   ImuData data;
   data.gravity_mps2 =
