@@ -6,6 +6,7 @@ Usage: outputs_test.py BUILD_DIR SOURCE_DIR CC [unittest arguments]
 import json
 import os
 import pathlib
+import shutil
 import signal
 import socket
 import stat
@@ -161,6 +162,31 @@ class Outputs(unittest.TestCase):
         self.refused("the same file as", "add", own, *analysed, "--out", own, code=2)
         self.refused("the same file as", "diagnose", "--candidates", own, *analysed, "--suggest", own, code=2)
         self.assertEqual(own.read_text(), "effects: {}\n")
+        # Nor are the tables of a set, nor its measurement.yaml.
+        room = self.here / "room"
+        shutil.copytree(SOURCE / "docs/tutorial/room", room)
+        analysed[-1] = room
+        for file in ("points.csv", "joints.csv", "measurement.yaml"):
+            kept = (room / file).read_bytes()
+            for option in ("--json", "--report", "--attitudes-out"):
+                self.refused("the same file as", "compare", *analysed, option, room / file, code=2)
+            self.refused("the same file as", "discover", *analysed, "--out", room / file, code=2)
+            self.refused("the same file as", "export", analysed[1], "--to", "mrcal", "--data", room, "--out", room / file, code=2)
+            self.assertEqual((room / file).read_bytes(), kept)
+        model = self.here / "model.yaml"
+        shutil.copy(analysed[1], model)
+        kept = model.read_bytes()
+        self.refused("the same file as", "compare", "--models", model, model, "--data", room, "--report", model, code=2)
+        self.refused("the same file as", "frame", self.scenario, "--robot", "r0", "--at", "0.1", "--model", model, "--out", model, code=2)
+        self.refused("the same file as", "frame", self.scenario, "--robot", "r0", "--at", "0.1", "--model", f"r0={model}", "--out", model, code=2)
+        self.assertEqual(model.read_bytes(), kept)
+
+    def test_two_outputs_are_two_files(self):
+        analysed = ["--model", SOURCE / "docs/tutorial/nominal.yaml", "--data", SOURCE / "docs/tutorial/room"]
+        one = self.here / "one"
+        self.refused("two outputs have this name", "compare", *analysed, "--json", one, "--report", self.here / "." / "one", code=2)
+        self.refused("two outputs have this name", "discover", *analysed, "--json", one, "--out", one, code=2)
+        self.assertFalse(one.exists())
 
     def test_an_earlier_run_is_overwritten_only_where_asked(self):
         log, frames = self.here / "l.mcap", self.here / "f"

@@ -82,7 +82,7 @@ void add_add(app::Command app) {
       "Example: seam add rolling_shutter --model nominal.yaml --data sets/points-a --out "
       "better.yaml");
   command.callback([flags, effect, out] {
-    AnalysisOutputs outputs(*flags, *out, effects::find_effect(*effect) ? "" : *effect);
+    AnalysisOutputs outputs(*flags, *out, {effects::find_effect(*effect) ? "" : *effect});
     const effects::Model model = read_model(flags->model);
     const auto effects = effects_named(*effect);
     const auto problem = open_problem(*flags);

@@ -2,6 +2,8 @@
 
 #include <fmt/ranges.h>
 
+#include <set>
+
 #include "app/data_file.h"
 #include "app/import/recognise.h"
 #include "app/predictors/instruments.h"
@@ -124,12 +126,40 @@ std::string how_to_add(const AnalysisFlags& flags, const std::string& model,
          how_to_add_lens(flags, model, result);
 }
 
+std::vector<std::filesystem::path> files_of_set(const std::string& folder) {
+  std::vector<std::filesystem::path> files = {std::filesystem::path(folder) / "measurement.yaml"};
+  try {
+    const auto set = measurement::MeasurementSet::open(folder);
+    for (const auto& [name, file] : set.files) files.push_back(set.folder / file);
+  } catch (const std::exception&) {
+  }
+  return files;
+}
+
+namespace {
+
+// Of two outputs in one file one would be lost. Devices and pipes take both.
+void refuse_one_file_twice(const std::vector<std::string>& outputs) {
+  std::set<std::filesystem::path> paths;
+  for (const std::string& output : outputs) {
+    std::error_code error;
+    const auto path = std::filesystem::weakly_canonical(output, error);
+    if (output.empty() || error || (exists(path) && !is_regular_file(path))) continue;
+    if (!paths.insert(path).second)
+      throw UsageError(
+          fmt::format("{}: two outputs have this name; give each one of its own", output));
+  }
+}
+
+}  // namespace
+
 AnalysisOutputs::AnalysisOutputs(const AnalysisFlags& flags, const std::string& out_file,
-                                 const std::string& further) {
-  OutputRules rules{
-      .inputs = {flags.model, std::filesystem::path(flags.data) / "measurement.yaml"}};
-  for (const std::string& input : {flags.leave_out, further})
-    if (!input.empty()) rules.inputs.emplace_back(input);
+                                 const std::vector<std::string>& further) {
+  OutputRules rules{.inputs = files_of_set(flags.data)};
+  rules.inputs.insert(rules.inputs.end(), {flags.model, flags.leave_out, flags.target});
+  rules.inputs.insert(rules.inputs.end(), further.begin(), further.end());
+  refuse_one_file_twice(
+      {flags.json, flags.report, out_file, flags.target_out, flags.attitudes_out});
   json = OutputFile(flags.json, rules);
   report = OutputFile(flags.report, rules);
   out = OutputFile(out_file, rules);

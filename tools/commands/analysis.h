@@ -63,10 +63,14 @@ std::string how_to_add(const AnalysisFlags& flags, const std::string& model,
 
 // What a command writes, claimed before it reads and computes: a path that cannot be written is
 // an error at once. `out` is a model or effect that the command makes.
+// What a set's folder holds of measurements, which no output may replace. A set that cannot be
+// opened has none: its command says why.
+std::vector<std::filesystem::path> files_of_set(const std::string& folder);
+
 struct AnalysisOutputs {
-  // `further`: a file that is read, too; empty: none.
+  // `further`: more files that are read; one without a name is none.
   explicit AnalysisOutputs(const AnalysisFlags& flags, const std::string& out = "",
-                           const std::string& further = "");
+                           const std::vector<std::string>& further = {});
   // Prints the text; writes the JSON, which may be long to make, where the user asked for it.
   void print(const std::string& text, const std::function<std::string()>& make_json);
 

@@ -28,7 +28,7 @@ void compare_with_data(const AnalysisFlags& flags) {
 }
 
 void compare_models(const AnalysisFlags& flags, const std::vector<std::string>& files) {
-  AnalysisOutputs outputs(flags);
+  AnalysisOutputs outputs(flags, "", files);
   const auto set = measurement::MeasurementSet::open(flags.data);
   if (set.camera.width_px == 0)
     throw InputError(flags.data + ": the set names no camera, expected its width_px and height_px");

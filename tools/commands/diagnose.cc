@@ -38,7 +38,7 @@ void add_diagnose(app::Command app) {
                      "file where there is none");
   command.footer("Example: seam diagnose --model nominal.yaml --data sets/points-a");
   command.callback([flags, candidates, suggested] {
-    AnalysisOutputs outputs(*flags, *suggested, *candidates);
+    AnalysisOutputs outputs(*flags, *suggested, {*candidates});
     const effects::Model model = read_model(flags->model);
     const auto own = candidates->empty() ? measurement::EffectList{} : effects_named(*candidates);
     const auto problem = open_problem(*flags);

@@ -1,6 +1,7 @@
 // `seam export`: a model as a file of another program.
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
 
 #include "app/exchange/exchange.h"
 #include "measurement/kinds/kinds.h"
@@ -110,7 +111,10 @@ void add_export(app::Command app) {
       "Example: seam export models/ideal_camera.yaml --to kalibr --out camchain.yaml");
   command.callback([flags] {
     const app::ExchangeFormat& format = app::exchange_format_named(flags->to, "--to");
-    OutputFile out(flags->out, {.inputs = {flags->model}});
+    OutputRules rules{.inputs = {flags->model}};
+    if (!flags->data.empty())
+      std::ranges::copy(files_of_set(flags->data), std::back_inserter(rules.inputs));
+    OutputFile out(flags->out, rules);
     const effects::Model model = read_model(flags->model);
     const app::Exported exported = app::export_model(model, format, options_of(*flags, format));
     out.fill(exported.text);

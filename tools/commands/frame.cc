@@ -75,7 +75,10 @@ void write_stages(const FrameSettings& settings, const FrameJob& job, const Fram
 }
 
 void render_frame(const FrameSettings& settings) {
-  OutputFile out(settings.out, {.inputs = {settings.scenario}});
+  OutputRules rules{.inputs = {settings.scenario}};
+  for (const std::string& model : settings.simulator.models)
+    rules.inputs.emplace_back(model.substr(model.find('=') + 1));  // Of ROBOT=FILE, or all of FILE.
+  OutputFile out(settings.out, rules);
   if (!settings.stages.empty()) make_output_folder(settings.stages);
   app::visit_first_frame(
       settings.scenario, settings.simulator, settings.robot, SimTime::from_s(settings.at_s),
