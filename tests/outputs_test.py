@@ -192,6 +192,7 @@ class Outputs(unittest.TestCase):
         log, frames = self.here / "l.mcap", self.here / "f"
         command = ["run", self.scenario, "--log", log, "--frames", frames]
         self.assertEqual(seam(*command).returncode, 0)
+        self.assertRegex(seam("contact-sheet", frames, "--out", self.here / "sheet.png").stdout, r" frames of 1 run\n$")
         before = log.read_bytes()
         (frames / "r0_000099.png").write_text("of a longer run")
         self.refused("--force", "run", self.scenario, "--log", log)

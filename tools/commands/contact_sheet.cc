@@ -190,8 +190,9 @@ void add_contact_sheet(app::Command app) {
       for (render::Panel& panel : panels_of(folder, *settings)) panels.push_back(std::move(panel));
     }
     out.fill(encode_png(render::contact_sheet(panels, settings->count)));
-    std::printf("%s: %zu frames of %zu runs\n", settings->out.c_str(), panels.size(),
-                settings->folders.size());
+    const size_t runs = settings->folders.size();
+    std::printf("%s: %zu frames of %zu %s\n", settings->out.c_str(), panels.size(), runs,
+                runs == 1 ? "run" : "runs");
   });
 }
 

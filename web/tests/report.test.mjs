@@ -178,6 +178,11 @@ async function checkBroken(browser) {
   const { page, errors } = await openPage(browser);
   await page.goto(pathToFileURL(join(share, "report.html")).href);
   assert.match(await page.locator("#app").innerText(), /holds no readable report data/);
+  const report = fixtures.diagnosePoints(), file = join(folder, "damaged.html");
+  report.result.looked_for = "what?";
+  writeFileSync(file, fill(readFileSync(join(share, "report.html"), "utf8"), report));
+  await page.goto(pathToFileURL(file).href);
+  assert.match(await page.locator("#app").innerText(), /data is not of the form/);
   assert.deepEqual(errors, []);
   await page.close();
 }
