@@ -15,7 +15,7 @@ namespace seam::measurement {
 namespace {
 
 // Errors above this, in noise units, are those of a model that explains nothing.
-constexpr double kFarOff = 10;
+constexpr double kFarOff = 3;
 
 double step_of(const effects::Parameter& parameter, double value) {
   const double size = std::max(parameter.scale, std::abs(value));
@@ -70,13 +70,15 @@ class Fitter {
       if (!mean_.empty()) converged = fit_mean();
       fit_spread();
       const bool has_spread = mean_.size() < space_.size();
-      if ((!has_spread && !here_.reusable) || before - value_ < 1e-3) break;
+      constexpr double kRound = 10;  // Steps of which each is worth nothing.
+      if ((!has_spread && !here_.reusable) || before - value_ < kRound * enough()) break;
       if (here_.reusable) renew();
     }
     return converged;
   }
 
  private:
+  double enough() const;
   bool fit_mean();
   void fit_spread();
   // What evaluations reused on the way is computed again.
@@ -132,19 +134,18 @@ bool Fitter::try_model(const Model& candidate) {
   return true;
 }
 
+// A gain of this much log-likelihood moves no estimate by more than a few hundredths of its sigma;
+// where the model misses more than the noise, it is worth less in proportion.
+double Fitter::enough() const {
+  double sum = 0;
+  for (const double z : here_.whitened) sum += z * z;
+  const double misfit2 = sum / static_cast<double>(std::max<size_t>(1, count_));
+  // A model that explains nothing need not be fitted to the last digit.
+  return (misfit2 > kFarOff * kFarOff ? 1e-2 : 1e-4) * std::max(1.0, misfit2);
+}
+
 bool Fitter::fit_mean() {
   if (!here_.valid) return false;
-  // A gain of this much log-likelihood moves no estimate by more than a few hundredths of its
-  // sigma; where the model misses more than the noise, it is worth less in proportion.
-  const auto worth = [&]() -> Worth {
-    double sum = 0;
-    for (const double z : here_.whitened) sum += z * z;
-    const double misfit2 = sum / static_cast<double>(std::max<size_t>(1, count_));
-    // A model that explains nothing need not be fitted to the last digit.
-    const double share = misfit2 > kFarOff * kFarOff ? 1e-2 : 1e-4;
-    const double enough = share * std::max(1.0, misfit2);
-    return {.promise = enough, .gain = enough};
-  };
   constexpr int kMostSteps = 40;
   const Work work("step", kMostSteps, Work::Of::at_most);
   const auto counted_look = [&] {
@@ -155,9 +156,9 @@ bool Fitter::fit_mean() {
       {.look = counted_look,
        .move = [&](const Eigen::VectorXd& by) { return try_model(space_.moved(model_, by)); },
        .height = [&] { return value_; },
-       .worth = worth},
+       .worth = [&] { return Worth{.promise = enough(), .gain = enough()}; }},
       {.start = 1e-6, .attempts = 12}, kMostSteps);
-  if (end.reason == DescentEnd::Reason::refused) return end.promised < 100 * worth().promise;
+  if (end.reason == DescentEnd::Reason::refused) return end.promised < 100 * enough();
   return end.reason != DescentEnd::Reason::steps_spent;
 }
 

@@ -42,7 +42,7 @@ class Searcher {
   Looks look(const Grown& grown, bool promising_only, Asked asked);
   EffectList absent(const Model& model, bool moves) const;
   void forward(SearchResult& result, const Grown* earlier);
-  std::optional<Grown> again(const Grown& earlier, Looks& first);
+  std::optional<Grown> again(const Grown& earlier);
   void begin_with(const Candidate& beginning, SearchResult& result);
   void try_beginnings(SearchResult& result);
   bool misses(const Assessment& assessment) const;
@@ -68,6 +68,7 @@ class Searcher {
   const Exchanges exchanges_;
   Grown base_;
   double looks_ = 1;
+  Looks first_;                    // On the base, had in the last round that looked at it.
   Looks moves_;                    // Had in the last round that looked at any.
   bool no_name_explains_ = false;  // Nor does any other, then, in this round.
   // Of all that acts beside a motor, where it was fitted in this round.
@@ -180,26 +181,13 @@ void Searcher::begin_with(const Candidate& beginning, SearchResult& result) {
   result.last_traces = std::move(traces);
 }
 
-// With other outliers marked, the way leads where it led before if it begins alike: what was found
-// there is fitted again, and the search goes on from it.
-std::optional<Grown> Searcher::again(const Grown& earlier, Looks& first) {
-  const bool one_valley = problem_.is_smooth(earlier.assessment.model);
-  if (earlier.added.empty() || earlier.assessment.error > (one_valley ? kUseless : kMisfit))
-    return std::nullopt;
-  const bool moved =
-      std::any_of(earlier.added.begin(), earlier.added.end(),
-                  [&](const std::string& name) { return !definition(name)->companions.empty(); });
-  if (!moved || !all_useless(base_, first)) {
-    Looks looks = first;
-    const Candidate* next = choose_by_all_rows(problem_, base_, material_, looks);
-    first = looks;
-    if (!next || std::find(earlier.added.begin(), earlier.added.end(), next->effect->name) ==
-                     earlier.added.end())
-      return std::nullopt;
-  }
+// What explains the set is fitted again with other outliers marked, and the search goes on from it
+// where it still does.
+std::optional<Grown> Searcher::again(const Grown& earlier) {
+  if (earlier.added.empty() || earlier.assessment.error > kMisfit) return std::nullopt;
   Grown grown = earlier;
   grown.assessment = assess(problem_, earlier.assessment.model, earlier.assessment.unknowns);
-  if (!grown.assessment.valid) return std::nullopt;
+  if (!grown.assessment.valid || grown.assessment.error > kMisfit) return std::nullopt;
   prune(grown);
   return grown;
 }
@@ -208,22 +196,24 @@ std::optional<Grown> Searcher::again(const Grown& earlier, Looks& first) {
 // leaves a misfit; but first where no single effect explains anything, since a long search among
 // these is dearer still.
 void Searcher::forward(SearchResult& result, const Grown* earlier) {
-  // The first look is what the user sees: every effect is fitted in it.
-  progress_("step 1: trying effects");
-  result.first = look(base_, /*promising_only=*/false, Asked::few_first);
   std::optional<Grown> found;
-  if (earlier != nullptr) found = again(*earlier, result.first);
-  if (!found) promising_.clear();
+  if (earlier != nullptr) found = again(*earlier);
+  if (!found) {
+    // The first look is what the user sees: every effect is fitted in it.
+    progress_("step 1: trying effects");
+    first_ = look(base_, /*promising_only=*/false, Asked::few_first);
+    promising_.clear(), moves_ = {};
+  }
+  result.first_is_of_base = !found;
   no_name_explains_ = false;
   all_of_servo_ll_ = -std::numeric_limits<double>::infinity();
   result.best = base_;
-  const bool moves_first = !found && all_useless(base_, result.first) &&
+  const bool moves_first = !found && all_useless(base_, first_) &&
                            !explained_without_name(problem_, {base_}, material_);
-  if (!found) moves_ = {};
   if (moves_first) begin_with_moves(moves_ = look_at_moves(), result);
   std::vector<Candidate> traces;
   Grown alone = found ? grow(*std::move(found), nullptr, traces)
-                      : grow(base_, &result.first, traces, moves_first ? &result.best : nullptr);
+                      : grow(base_, &first_, traces, moves_first ? &result.best : nullptr);
   if (!(merit_of(problem_, alone) < merit_of(problem_, result.best))) {
     result.best = std::move(alone);
     result.last_traces = std::move(traces);
@@ -235,6 +225,7 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
   begin_with_whole_moves(result);
   begin_with_rest(result);
   begin_with_refused(result);
+  result.first = first_;
   join(moves_, result.first);
 }
 
@@ -305,7 +296,7 @@ void Searcher::begin_with_rest(SearchResult& result) {
 
 // A spread may hide a mean whose own effect helps only beside it: a lag under a way that wanders.
 void Searcher::begin_with_refused(SearchResult& result) {
-  const auto& first = result.first.candidates;
+  const auto& first = first_.candidates;
   const auto refused =
       std::find_if(first.begin(), first.end(), [](const Candidate& c) { return c.hides_mean; });
   if (refused != first.end() && misses(result.best.assessment)) begin_with(*refused, result);
@@ -315,7 +306,7 @@ void Searcher::try_beginnings(SearchResult& result) {
   // The best first step may stand for several effects at once, from where none of them helps alone:
   // others begin too, the simplest first.
   std::vector<const Candidate*> beginnings;
-  for (const Candidate& candidate : result.first.candidates) {
+  for (const Candidate& candidate : first_.candidates) {
     const auto& added = result.best.added;
     const bool taken = std::find(added.begin(), added.end(), candidate.effect->name) != added.end();
     const bool helps = candidate.p_value < kCandidateAlarm && candidate.gain_ll > 0;
@@ -364,7 +355,7 @@ SearchResult Searcher::run() {
   result.base = base_;
   const auto by_name = [&](const std::string& name) { return definition(name); };
   result.best = exchanges_.told_simply(std::move(result.best), by_name);
-  result.first_is_of_base = !marks_changed;
+  result.first_is_of_base = result.first_is_of_base && !marks_changed;
   progress_("putting the steps in order");
   Grown searched;
   do {

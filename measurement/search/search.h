@@ -49,7 +49,8 @@ struct SearchResult {
   std::vector<Structure> base_structure;
   std::vector<Structure> base_traces;  // Significant, but not material.
   Looks first;                         // Candidates for the first step.
-  bool first_is_of_base = false;       // Under the marks of outliers that stand in the end.
+  // Whether under the marks of outliers that stand in the end; else under earlier ones.
+  bool first_is_of_base = false;
   Grown best;                          // With all effects found.
   std::vector<Step> steps;             // In the order in which they help most.
   std::vector<KeptTrace> kept;         // In `best` beside the steps.
