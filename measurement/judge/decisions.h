@@ -120,7 +120,7 @@ inline constexpr double kMostOutliers = 0.1;
 
 // Marks of outliers and the model found under them are settled in turn, at most so often. A
 // judgement: two rounds are the rule.
-inline constexpr int kOutlierRounds = 3;
+inline constexpr int kOutlierRounds = 5;
 
 // ---- Doubted although found ---------------------------------------------------------------------
 
