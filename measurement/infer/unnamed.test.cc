@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "measurement/infer/smooth_field.h"
+#include "measurement/numerics/linear_algebra.h"
 #include "measurement/problem/made_problem.h"
 
 namespace seam::measurement {
@@ -128,6 +129,15 @@ TEST(SmoothField, ColumnsAreOfTheSizeOfTheNoise) {
     EXPECT_GT(sum2, 0.1);
     EXPECT_LT(sum2, 2);
   }
+}
+
+// Where nearly all values are cut off, fewer are left than parameters.
+TEST(ColumnBasis, MoreColumnsThanRowsSpanAllThereIs) {
+  const Eigen::MatrixXd wide{{1, 2, 3}, {0, 1, -1}};
+  const Eigen::MatrixXd basis = column_basis(wide, 1e-6);
+  ASSERT_EQ(basis.cols(), 2);
+  EXPECT_LT((basis * basis.transpose() * wide - wide).norm(), 1e-12);
+  EXPECT_EQ(column_basis(Eigen::MatrixXd(0, 3), 1e-6).cols(), 0);
 }
 
 TEST(SmoothField, AConstantCovariateGivesNone) {

@@ -135,7 +135,7 @@ bool hides_mean(const Problem& problem, const Assessment& before, const Assessme
                                       static_cast<int>(with_spread.unknowns.size()));
   return std::any_of(left.begin(), left.end(), [&](const Structure& s) {
     return s.moment == "mean" && s.p_value < kStructureAlarm &&
-           (s.explained > kHiddenMean || far);
+           (s.explained > kHiddenMean || (far && s.covariate == kNeighbour));
   });
 }
 

@@ -1,6 +1,7 @@
 #include "measurement/numerics/linear_algebra.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 namespace seam::measurement {
@@ -64,7 +65,8 @@ MatrixXd column_basis(const MatrixXd& m) {
 MatrixXd column_basis(const MatrixXd& m, double least) {
   const Eigen::ColPivHouseholderQR<MatrixXd> qr(m);
   Eigen::Index own = 0;
-  while (own < m.cols() && std::abs(qr.matrixR()(own, own)) > least) ++own;
+  const Eigen::Index most = std::min(m.rows(), m.cols());
+  while (own < most && std::abs(qr.matrixR()(own, own)) > least) ++own;
   return qr.householderQ() * MatrixXd::Identity(m.rows(), own);
 }
 

@@ -120,6 +120,16 @@ size_t steps_of_mean(const SearchResult& result) {
   return static_cast<size_t>(spread - result.steps.begin());
 }
 
+// Whether the model has noise that an earlier one lacks. What begins with noise, while a mean is
+// missing, has it far too wide, and is no explanation to hold another against.
+bool adds_noise(const Grown& earlier, const Grown& last) {
+  return std::any_of(last.added.begin(), last.added.end(), [&](const std::string& name) {
+    const effects::ModelEffect* effect = last.assessment.model.find(name);
+    return !earlier.assessment.model.has(name) && effect != nullptr &&
+           only_widens(*effect->definition);
+  });
+}
+
 // Whether the model has more than an earlier one, and all of that is noise of unknown cause.
 bool adds_noise_alone(const Grown& earlier, const Grown& last) {
   return earlier.added.size() < last.added.size() &&
@@ -151,7 +161,7 @@ bool explained_without_name(const Problem& problem, const std::vector<Grown>& gr
 
 bool names_imitate(const Problem& problem, const std::vector<Grown>& way, double material) {
   constexpr size_t kLeast = 3;  // The first step may stand for several effects.
-  if (way.size() < kLeast) return false;
+  if (way.size() < kLeast || adds_noise(way[0], way[1])) return false;
   const auto cause = unnamed_beside(problem, way, material);
   return cause && cause->error_after < kMisfit && cause->beside + 1 < way.size();
 }

@@ -151,6 +151,11 @@ TEST(NamesImitate, StepsThatFunctionsDoBetterEndASearch) {
     // The first step may stand for several effects.
     EXPECT_EQ(names_imitate(problem, way, kMaterial), way.size() == 3) << name;
   }
+  // What begins with noise is no explanation yet.
+  EffectDefinition noise = *sized("cube");
+  noise.spread_only = true;
+  way[1].assessment.model.set(std::make_shared<const EffectDefinition>(noise), {{.value = 1}});
+  EXPECT_FALSE(names_imitate(problem, way, kMaterial));
 }
 
 TEST_F(CubeAndFast, AStepThatFunctionsCannotDoEndsNone) {
