@@ -108,6 +108,10 @@ inline constexpr size_t kMostKept = 4;
 // A spread that widens the noise over a misfit is none if a mean explains this share of the squared
 // residuals that it calls noise. A judgement.
 inline constexpr double kHiddenMean = 0.25;
+// The same where the model misses by far more than the noise, so that a spread can be any mean.
+// Between what a true wander of some 60 lengths leaves by chance (0.02) and what one leaves that
+// stands for a limit of torque (0.1). A judgement.
+inline constexpr double kHiddenMeanFar = 0.05;
 
 // A spread under which free predictions over whole runs miss by so many times as much leads the
 // mean astray: on squares of a robot with wheels a wandering of its way did so by three times,

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "measurement/judge/decisions.h"
-#include "measurement/problem/neighbour.h"
 #include "measurement/problem/residual_view.h"
 
 namespace seam::measurement {
@@ -135,7 +134,7 @@ bool hides_mean(const Problem& problem, const Assessment& before, const Assessme
                                       static_cast<int>(with_spread.unknowns.size()));
   return std::any_of(left.begin(), left.end(), [&](const Structure& s) {
     return s.moment == "mean" && s.p_value < kStructureAlarm &&
-           (s.explained > kHiddenMean || (far && s.covariate == kNeighbour));
+           s.explained > (far ? kHiddenMeanFar : kHiddenMean);
   });
 }
 

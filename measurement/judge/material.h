@@ -36,8 +36,8 @@ double limit_at_noise(double n);
 double native_fall(const Score& before, const Score& after);
 
 // Whether a spread, wide as the residuals are, only stands for a mean: of what it calls noise a
-// function of some covariate explains a good part, or, where the model before misses by far more
-// than the noise, residuals are alike in another way than the spread's.
+// function of some covariate explains a good part, or a small one where the model before misses by
+// far more than the noise.
 bool hides_mean(const Problem& problem, const Assessment& before, const Assessment& with_spread);
 
 // Whether a spread takes the parameters of the mean to where what is predicted freely over a whole

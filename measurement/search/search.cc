@@ -351,7 +351,11 @@ SearchResult Searcher::run() {
         mark_outliers(problem_, judge_of_outliers(problem_, model_, result.best, large_errors),
                       result);
   }
-  if (marks_changed) base_ = base();
+  if (marks_changed) {
+    base_ = base();
+    Assessment& best = result.best.assessment;
+    best = assess(problem_, best.model, best.unknowns);
+  }
   result.base = base_;
   const auto by_name = [&](const std::string& name) { return definition(name); };
   result.best = exchanges_.told_simply(std::move(result.best), by_name);
