@@ -208,8 +208,8 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
   no_name_explains_ = false;
   all_of_servo_ll_ = -std::numeric_limits<double>::infinity();
   result.best = base_;
-  const bool moves_first = !found && all_useless(base_, first_) &&
-                           !explained_without_name(problem_, {base_}, material_);
+  const bool moves_first =
+      !found && all_useless(base_, first_) && !explained_without_name(problem_, {base_}, material_);
   if (moves_first) begin_with_moves(moves_ = look_at_moves(), result);
   std::vector<Candidate> traces;
   Grown alone = found ? grow(*std::move(found), nullptr, traces)

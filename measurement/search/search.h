@@ -51,10 +51,10 @@ struct SearchResult {
   Looks first;                         // Candidates for the first step.
   // Whether under the marks of outliers that stand in the end; else under earlier ones.
   bool first_is_of_base = false;
-  Grown best;                          // With all effects found.
-  std::vector<Step> steps;             // In the order in which they help most.
-  std::vector<KeptTrace> kept;         // In `best` beside the steps.
-  std::vector<Structure> remaining;    // Significant structure after the last step.
+  Grown best;                        // With all effects found.
+  std::vector<Step> steps;           // In the order in which they help most.
+  std::vector<KeptTrace> kept;       // In `best` beside the steps.
+  std::vector<Structure> remaining;  // Significant structure after the last step.
   std::vector<Structure> remaining_traces;
   // What no effect with a name explains as well: smooth functions, and a formula beside `best`.
   // Effects that only imitate it were found, and are no steps.
