@@ -69,8 +69,6 @@ std::string list_text(const std::vector<Quantity>& list) {
   return text;
 }
 
-constexpr size_t kMostParameters = 20;  // More of them, as of a grid, are not listed one by one.
-
 const Stage kStages[] = {Stage::timing,   Stage::joint,           Stage::mount,      Stage::target,
                          Stage::geometry, Stage::corner_detector, Stage::radiometry, Stage::light,
                          Stage::sensor,   Stage::detector,        Stage::locomotion, Stage{12}};
@@ -85,6 +83,11 @@ std::string kinds_text(unsigned kinds) {
   return text;
 }
 
+bool has_many_values(const EffectDefinition& effect) {
+  constexpr size_t kMost = 20;
+  return effect.parameters.size() > kMost;
+}
+
 std::string effect_help(const EffectDefinition& effect) {
   std::string text =
       fmt::format("{} (stage {})\n\n{}\n\nFormula:    {}\nSignature:  {}\nActs on:    {}\n",
@@ -96,7 +99,7 @@ std::string effect_help(const EffectDefinition& effect) {
   for (const std::string& line : advice_lines(effect))
     text += fmt::format("To separate it from {}\n", line);
   text += effect.parameters.empty() ? "Parameters: none\n" : "Parameters:\n";
-  const size_t count = effect.parameters.size(), shown = count > kMostParameters ? 5 : count;
+  const size_t count = effect.parameters.size(), shown = has_many_values(effect) ? 5 : count;
   for (size_t i = 0; i < shown; ++i) {
     const Parameter& parameter = effect.parameters[i];
     text += fmt::format("  {}  {} ({})\n", parameter.name, parameter.help, range_text(parameter));

@@ -9,6 +9,9 @@ namespace seam::effects {
 
 // Everything about one effect: formula, parameters with units and bounds, signature, example.
 std::string effect_help(const EffectDefinition& effect);
+// Whether it has more values, as of a grid, than people read one by one: texts name the first
+// alone.
+bool has_many_values(const EffectDefinition& effect);
 // One line an effect, by stage.
 std::string catalogue_list();
 // docs/reference/effects.md: made by `seam effects --markdown`, and compared with it by a test.

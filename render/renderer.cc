@@ -4,6 +4,7 @@
 #include <map>
 #include <mutex>
 
+#include "effects/catalogue_help.h"
 #include "effects/questions.h"
 #include "effects/stages/geometry.h"
 #include "effects/stages/optics.h"
@@ -33,11 +34,11 @@ std::string geometry_keys(const effects::Model& model) {
       continue;
     std::string values;
     // Of many values those that are neutral are not named.
-    constexpr size_t kMany = 20;
+    const bool many = effects::has_many_values(*effect.definition);
     for (size_t i = 0; i < effect.parameters.size(); ++i) {
       const effects::Parameter& parameter = effect.definition->parameters[i];
       const double value = effect.parameters[i].value;
-      if (effect.parameters.size() > kMany && value == parameter.neutral) continue;
+      if (many && value == parameter.neutral) continue;
       values += fmt::format("{}{}: {}", values.empty() ? "" : ", ", parameter.name, value);
     }
     keys += fmt::format("{}effects.{} {{{}}}", keys.empty() ? "" : ", ", effect.definition->name,

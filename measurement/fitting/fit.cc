@@ -156,7 +156,11 @@ bool Fitter::fit_mean() {
       {.look = counted_look,
        .move = [&](const Eigen::VectorXd& by) { return try_model(space_.moved(model_, by)); },
        .height = [&] { return value_; },
-       .worth = [&] { return Worth{.promise = enough(), .gain = enough()}; }},
+       .worth =
+           [&] {
+             const double least = enough();
+             return Worth{.promise = least, .gain = least};
+           }},
       {.start = 1e-6, .attempts = 12}, kMostSteps);
   if (end.reason == DescentEnd::Reason::refused) return end.promised < 100 * enough();
   return end.reason != DescentEnd::Reason::steps_spent;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "effects/catalogue_help.h"
 #include "effects/registry.h"
 #include "measurement/report/figures_told.h"
 #include "measurement/report/target_told.h"
@@ -41,10 +42,9 @@ std::string text_of(const measurement::AddResult& result, const effects::Model& 
                          ? "refitted " + result.effect + ", which the model has already\n"
                          : "added " + result.effect + "\n";
   for (const std::string& name : result.replaced) text += fmt::format("  instead of {}\n", name);
-  constexpr size_t kMostValues = 20;  // An effect with more of them lists the first alone.
   const effects::ModelEffect* added = result.model.find(result.effect);
   const size_t count = result.parameters.size();
-  const size_t shown = added != nullptr && added->parameters.size() > kMostValues ? 1 : count;
+  const size_t shown = added != nullptr && effects::has_many_values(*added->definition) ? 1 : count;
   for (size_t i = 0; i < shown; ++i) {
     const auto& [name, value] = result.parameters[i];
     text += fmt::format("  {} = {}\n", name, measurement::told_value(result.model, name, value));

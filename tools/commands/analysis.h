@@ -61,12 +61,12 @@ double unexplained_error(const measurement::SearchResult& result);
 std::string how_to_add(const AnalysisFlags& flags, const std::string& model,
                        const std::string& suggested, const measurement::SearchResult& result);
 
-// What a command writes, claimed before it reads and computes: a path that cannot be written is
-// an error at once. `out` is a model or effect that the command makes.
 // What a set's folder holds of measurements, which no output may replace. A set that cannot be
 // opened has none: its command says why.
 std::vector<std::filesystem::path> files_of_set(const std::string& folder);
 
+// What a command writes, claimed before it reads and computes: a path that cannot be written is
+// an error at once. `out` is a model or effect that the command makes.
 struct AnalysisOutputs {
   // `further`: more files that are read; one without a name is none.
   explicit AnalysisOutputs(const AnalysisFlags& flags, const std::string& out = "",

@@ -10,6 +10,7 @@
 #include "app/scene_assets.h"
 #include "app/session/behaviours.h"
 #include "app/sweep/table.h"
+#include "effects/catalogue_help.h"
 #include "effects/formulas/formula_ranges.h"
 #include "effects/model.h"
 #include "effects/questions.h"
@@ -37,13 +38,12 @@ struct CheckSettings {
   std::string model;
 };
 
-constexpr size_t kMostValues = 20;  // An effect with more of them lists the first alone.
-
 std::string effects_text(const effects::Model& model) {
   std::string text;
   for (const effects::ModelEffect& effect : model.effects()) {
     text += fmt::format("  {:<12} ", effect.definition->name);
-    const size_t count = effect.parameters.size(), shown = count > kMostValues ? 1 : count;
+    const size_t count = effect.parameters.size();
+    const size_t shown = effects::has_many_values(*effect.definition) ? 1 : count;
     for (size_t i = 0; i < shown; ++i) {
       const effects::ParameterValue& value = effect.parameters[i];
       text += fmt::format("{}{} = {:.6g}", i == 0 ? "" : ", ",
