@@ -74,6 +74,40 @@ def test_torques(folder):
             words=["'ampers'", "--map effort", "did you mean 'amperes'"])
 
 
+def test_words_for_numbers(folder):
+    """What stands in a column of ours and is no number is refused, or said; nothing is dropped without a word."""
+    t, command, measured = servo_log()
+    torque = np.round(np.sin(3 * t), 3)
+    names = ["--map", "command=goal,measured=present", "--unit", "rad"]
+    whole = table(folder / "whole.csv", "time,goal,present,effort,kp", t, command, measured, torque, 8 + 0 * t).read_text().splitlines()
+
+    def written(name, change):
+        lines = [whole[0]] + [",".join(change(k, line.split(","))) for k, line in enumerate(whole[1:])]
+        (folder / name).write_text("\n".join(lines) + "\n")
+        return folder / name
+
+    def replaced(column, text, rows):
+        return lambda k, cells: cells[:column] + [text if k in rows else cells[column]] + cells[column + 1:]
+
+    words = written("words.csv", replaced(3, "high", [5]))
+    refused("servo", words, *names, out=folder / "none", words=["words.csv:7: effort: found 'high'", "a number or nothing"])
+    gains = written("gains.csv", replaced(4, "eight", [0]))
+    refused("servo", gains, *names, out=folder / "none", words=["gains.csv:2: kp: found 'eight'"])
+    for name, text in (("nan.csv", "NaN"), ("blank.csv", "")):
+        said = imported("servo", written(name, replaced(3, text, range(10, 40))), *names, out=folder / name[:-4])
+        assert "30 of 400 rows have no number in column effort" in said, said
+        assert [r["effort_nm"] == "" for r in rows_of(folder / name[:-4] / "joints.csv")] == [10 <= k < 40 for k in range(400)]
+        said = imported("servo", written("all" + name, replaced(3, text, range(400))), *names, out=folder / f"all-{name[:-4]}")
+        assert f"all{name}: column effort holds no number: left out" in said and "effort_nm" not in said, said
+    none = written("none.csv", replaced(3, "off", range(400)))
+    said = imported("servo", none, *names, out=folder / "off")
+    assert "column effort holds no number ('off' in" in said and "none.csv:2): left out" in said, said
+    refused("servo", none, "--map", "command=goal,measured=present,effort=effort", "--unit", "rad", out=folder / "no",
+            words=["'effort'", "--map effort"])
+    refused("servo", none, "--map", "command=goal,measured=present,kp=kq", "--unit", "rad", out=folder / "no",
+            words=["signal 'kq' (--map kp=...) is missing", "did you mean 'kp'"])
+
+
 def test_off(folder):
     """A drive that is off in parts of a log, where its command reads 0 or nothing."""
     t, command, measured = servo_log()

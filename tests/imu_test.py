@@ -57,6 +57,15 @@ class Case(unittest.TestCase):
         return found, folder
 
 
+class Tables(Case):
+    def test_a_column_that_stands_twice_is_refused(self):
+        table = self.folder / "twice.csv"
+        table.write_text("# of a sensor\ntime,gx,gy,gz,gx\n" + "".join(f"{0.01 * k:.2f},1,2,3,4\n" for k in range(100)))
+        said = run("import", "imu", table, "--out", self.folder / "out", code=1)
+        self.assertIn("twice.csv:2: column 'gx' stands twice", said)
+        self.assertFalse((self.folder / "out").exists())
+
+
 class Sets(Case):
     def follows_the_curve(self, found):
         curves = {curve["of"]: curve for curve in found["curves"]}

@@ -36,6 +36,18 @@ std::string plain(std::string text) {
   return text;
 }
 
+int place_among(const std::vector<std::string>& names, const std::vector<std::string>& wanted) {
+  for (const bool as_it_stands : {true, false}) {
+    for (const std::string& name : wanted) {
+      for (size_t i = 0; i < names.size(); ++i) {
+        if (as_it_stands ? lower(names[i]) == lower(name) : plain(names[i]) == plain(name))
+          return static_cast<int>(i);
+      }
+    }
+  }
+  return -1;
+}
+
 bool is_list_of(const json& value, bool (json::*is)() const noexcept) {
   return value.is_array() && !value.empty() &&
          std::all_of(value.begin(), value.end(), [&](const json& item) { return (item.*is)(); });
@@ -51,6 +63,11 @@ bool is_list_of_numbers(const json& value) {
 bool is_table_of_numbers(const json& value) {
   return value.is_array() && !value.empty() &&
          std::all_of(value.begin(), value.end(), is_list_of_numbers);
+}
+
+void note_odd(SignalLog& log, const std::string& name, const std::string& text, size_t row) {
+  const bool blank = text.empty() || text == "-" || lower(text) == "nan";
+  if (!blank && row < log.rows()) log.odd.try_emplace(name, log.places[row], text);
 }
 
 // Reads one JSON value into a log.
@@ -108,6 +125,7 @@ class JsonSignals {
       auto& words = log_.texts[name];
       words.resize(row + 1);
       words[row] = value.get<std::string>();
+      note_odd(log_, name, words[row], row);
     } else {
       std::vector<double>& values = column(name);
       values.resize(row, kNone);
@@ -211,6 +229,7 @@ void add_column(SignalLog& log, const TextTable& table, size_t c) {
     const bool timed = parse_time_ns(table.cell(row, c), 1'000'000'000, exact);
     if (!parse_number(text_of_cell, value) && std::isnan(value) && timed)
       value = 1e-9 * static_cast<double>(exact);
+    if (std::isnan(value)) note_odd(log, table.columns()[c], std::string(table.cell(row, c)), row);
     numbers += std::isnan(value) ? 0 : 1;
     values.push_back(value), ns.push_back(exact);
     words.emplace_back(table.cell(row, c));
@@ -242,6 +261,7 @@ void add_lists(SignalLog& log, const TextTable& table, size_t c, size_t count) {
       const std::string item = blank ? "" : std::string(items[i]);
       numeric = (parse_number(item, value) || blank || lower(item) == "nan") && numeric;
       values[i].push_back(value), words[i].push_back(item);
+      if (std::isnan(value)) note_odd(log, fmt::format("{}[{}]", table.columns()[c], i), item, row);
     }
   }
   for (size_t i = 0; i < count; ++i) {
@@ -332,15 +352,14 @@ void read_table(SignalLog& log, std::string text) {
 }  // namespace
 
 int SignalLog::find(const std::vector<std::string>& wanted) const {
-  for (const bool as_it_stands : {true, false}) {
-    for (const std::string& name : wanted) {
-      for (size_t i = 0; i < names.size(); ++i) {
-        if (as_it_stands ? lower(names[i]) == lower(name) : plain(names[i]) == plain(name))
-          return static_cast<int>(i);
-      }
-    }
-  }
-  return -1;
+  return place_among(names, wanted);
+}
+
+std::string SignalLog::find_words(const std::vector<std::string>& wanted) const {
+  std::vector<std::string> words;
+  for (const auto& [name, cells] : texts) words.push_back(name);
+  const int at = place_among(words, wanted);
+  return at < 0 ? "" : words[static_cast<size_t>(at)];
 }
 
 SignalLog signals_of_text(std::string text, const std::string& name) {

@@ -17,6 +17,11 @@ struct SignalLog {
   std::map<std::string, std::vector<std::string>> texts;  // Signals that are words.
   // Lists of words that each row repeats, or that stand once for all: names of joints.
   std::map<std::string, std::vector<std::string>> lists;
+  // Of signals, the first cell that is neither a number nor blank.
+  struct OddCell {
+    std::string place, text;
+  };
+  std::map<std::string, OddCell> odd;
   std::map<std::string, double> constants;  // What stands once for the whole log (JSON).
   std::vector<std::string> places;          // "file:line" or "file: entries[3]" of each row.
 
@@ -24,6 +29,8 @@ struct SignalLog {
   // The place of a signal, -1 where none of the names is there: without regard to case, and where
   // none is there as it stands, to blanks and a unit at its end (goal position [deg], goal_deg).
   int find(const std::vector<std::string>& names) const;
+  // The name of one among the signals that are words, found likewise; empty where none is there.
+  std::string find_words(const std::vector<std::string>& names) const;
 };
 
 // CSV by its rows; JSON as a list of objects (anywhere in it), as an object of equally long lists,

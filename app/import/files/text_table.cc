@@ -234,12 +234,14 @@ TextTable TextTable::from_text(std::string text, const std::string& name) {
   size_t position = all.starts_with("\xEF\xBB\xBF") ? 3 : 0;
   char separator = 0;
   std::string_view comment;
+  int comment_line = 0;
   for (int number = 1; position < all.size(); ++number) {
     const size_t end = std::min(all.find('\n', position), all.size());
     const std::string_view line = trimmed(all.substr(position, end - position));
     position = end + 1;
     if (line.empty()) continue;
     if (line.front() == '#' || line.front() == '%') {
+      comment_line = number;
       comment = line.substr(line.find_first_not_of("#% ") == std::string_view::npos
                                 ? line.size()
                                 : line.find_first_not_of("#% "));
@@ -253,12 +255,12 @@ TextTable TextTable::from_text(std::string text, const std::string& name) {
     if (first) {
       table.width_ = words.size();
       if (is_header(words)) {
-        table.take_header({words.begin(), words.end()});
+        table.take_header({words.begin(), words.end()}, number);
         continue;
       }
       const auto named = words_of(comment, separator_of(comment));
       if (named.size() == words.size() && is_header(named))
-        table.take_header({named.begin(), named.end()});
+        table.take_header({named.begin(), named.end()}, comment_line);
     }
     // A separator at the end of each row makes no column.
     const size_t count =
@@ -274,7 +276,8 @@ TextTable TextTable::from_text(std::string text, const std::string& name) {
   return table;
 }
 
-void TextTable::take_header(const std::vector<std::string>& words) {
+void TextTable::take_header(const std::vector<std::string>& words, int line) {
+  header_line_ = line;
   columns_ = full_names_ = words;
   for (size_t i = 0; i < columns_.size(); ++i) {
     std::string& name = columns_[i];
@@ -296,10 +299,15 @@ std::string TextTable::full_name(size_t column) const {
 int TextTable::find(const std::vector<std::string>& names) const {
   for (const bool as_it_stands : {true, false}) {
     for (const std::string& name : names) {
-      for (size_t i = 0; i < columns_.size(); ++i) {
-        if ((as_it_stands ? lower(columns_[i]) : without_unit(columns_[i])) == lower(name))
-          return static_cast<int>(i);
-      }
+      const auto is_it = [&](const std::string& column) {
+        return (as_it_stands ? lower(column) : without_unit(column)) == lower(name);
+      };
+      const auto found = std::find_if(columns_.begin(), columns_.end(), is_it);
+      if (found == columns_.end()) continue;
+      if (std::find(found + 1, columns_.end(), *found) != columns_.end())
+        throw InputError(
+            fmt::format("{}:{}: column '{}' stands twice", file_, header_line_, *found));
+      return static_cast<int>(found - columns_.begin());
     }
   }
   return -1;

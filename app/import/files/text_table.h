@@ -29,7 +29,8 @@ class TextTable {
   int line(size_t row) const { return lines_[row]; }
 
   // The place of the first of these names, -1 where none is there: without regard to case, and
-  // where none is there as it stands, to blanks and a unit at its end.
+  // where none is there as it stands, to blanks and a unit at its end. Throws where the file has
+  // that column twice.
   int find(const std::vector<std::string>& names) const;
 
   std::string_view cell(size_t row, size_t column) const;
@@ -44,7 +45,7 @@ class TextTable {
   [[noreturn]] void fail(size_t row, size_t column, std::string_view expected) const;
 
  private:
-  void take_header(const std::vector<std::string>& words);
+  void take_header(const std::vector<std::string>& words, int line);
 
   std::string file_;
   std::unique_ptr<const std::string> text_;  // Stays where it is when the table moves.
@@ -52,6 +53,7 @@ class TextTable {
   std::vector<std::string_view> cells_;  // Into the text.
   std::vector<int> lines_;
   size_t width_ = 0;
+  int header_line_ = 0;
 };
 
 // A plain decimal number and nothing else, finite; false for anything else, `value` as it was.

@@ -11,6 +11,7 @@
 #include "app/import/kinds/kinds.h"
 #include "app/import/servo/servo_columns.h"
 #include "app/import/servo/servo_join.h"
+#include "app/import/servo/servo_words.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
@@ -30,11 +31,15 @@ class ServoImport {
   size_t time_in(const SignalLog& log) const {
     return servo_signal(request_, log, "time", servo_names().times);
   }
-  void add_log(const SignalLog& log, const std::string& run);
+  void add_log(const SignalLog& log, const std::vector<JointColumns>& joints,
+               const std::string& run);
   void add_rows(const SignalLog& log, const std::string& run, const JointColumns& joint,
                 const std::vector<size_t>& rows, size_t time);
   void look_at(const std::vector<double>& command, const std::vector<double>& measured,
                const RowPlace& place);
+  void look_at_words();
+  void keep_ours();
+  void keep_others();
   std::string cell(const SignalLog& log, const JointColumns& joint, const std::string& column,
                    size_t row, bool off) const;
   void write();
@@ -43,8 +48,10 @@ class ServoImport {
   SetDraft& draft_;
   Reversal reversal_;
   std::vector<SignalLog> logs_;
+  std::vector<std::vector<JointColumns>> joints_of_;  // By log.
   std::vector<std::string> extra_;       // Columns beside ours, by their name in the set.
   std::map<std::string, Names> called_;  // What they are called in the files.
+  std::set<std::string> taken_;          // Signals with a use of their own, by name.
   std::vector<std::vector<std::string>> rows_;
   std::set<std::string> runs_, joints_;
   std::set<std::string> named_units_;  // Of angles, where columns say them.
@@ -157,7 +164,8 @@ std::string plain(std::string text) {
   return text;
 }
 
-void ServoImport::add_log(const SignalLog& log, const std::string& run) {
+void ServoImport::add_log(const SignalLog& log, const std::vector<JointColumns>& joints,
+                          const std::string& run) {
   const size_t time = time_in(log);
   std::string of_run = request_.name_of("run");
   // As learning robots' data sets call it.
@@ -170,7 +178,7 @@ void ServoImport::add_log(const SignalLog& log, const std::string& run) {
     const int at = log.find({name});
     return at < 0 ? "" : exact(log.values[static_cast<size_t>(at)][row]);
   };
-  for (const JointColumns& joint : servo_joints(request_, log)) {
+  for (const JointColumns& joint : joints) {
     // In the order in which they first appear.
     std::vector<std::pair<std::pair<std::string, std::string>, std::vector<size_t>>> parts;
     std::map<std::pair<std::string, std::string>, size_t> place;
@@ -236,10 +244,18 @@ bool is_of_data_set(const std::string& name) {
   return false;
 }
 
-void ServoImport::run() {
-  ServoLogs found = servo_logs(request_, draft_);
-  logs_ = std::move(found.logs), request_ = std::move(found.request);
-  std::set<std::string> taken;
+void ServoImport::look_at_words() {
+  for (const SignalLog& log : logs_) {
+    look_for_words(request_, log, "kp", servo_names().gains, draft_);
+    look_for_words(request_, log, "voltage", servo_names().voltages, draft_);
+    look_for_words(request_, log, kEnabled, servo_names().enabled, draft_);
+    joints_of_.push_back(servo_joints(request_, log));
+    look_at_efforts(request_, log, joints_of_.back(), draft_);
+  }
+}
+
+// What a model reads beside the angles.
+void ServoImport::keep_ours() {
   const auto keep = [&](const std::string& ours, const std::string& quantity, Names usual,
                         const SignalLog& log) {
     const std::string mapped = request_.name_of(quantity);
@@ -250,30 +266,42 @@ void ServoImport::run() {
     if (log.find(usual) < 0 && !constant) return;
     if (!called_.contains(ours)) extra_.push_back(ours);
     called_[ours] = usual;
-    taken.insert(usual.begin(), usual.end());
+    taken_.insert(usual.begin(), usual.end());
   };
   for (const SignalLog& log : logs_) {
     keep("kp", "kp", servo_names().gains, log);
     keep("voltage_v", "voltage", servo_names().voltages, log);
     keep(kEnabled, kEnabled, servo_names().enabled, log);
   }
+  for (const auto& [ours, quantity] :
+       {std::pair("kp", "kp"), {"voltage_v", "voltage"}, {kEnabled, kEnabled}}) {
+    const std::string mapped = request_.name_of(quantity);
+    if (!mapped.empty() && !called_.contains(ours))
+      throw InputError(fmt::format("{}: signal '{}' (--map {}=...) is missing{}",
+                                   logs_.front().file, mapped, quantity,
+                                   suggestion_for(mapped, logs_.front().names)));
+  }
   if (request_.off_where && !called_.contains(kEnabled)) {
     extra_.emplace_back(kEnabled);
     called_[kEnabled] = {};
   }
-  // All else that has a number in every row.
+}
+
+// All else that has a number in every row.
+void ServoImport::keep_others() {
   for (const Names& names : {servo_names().times, servo_names().commands, servo_names().measured})
-    taken.insert(names.begin(), names.end());
-  for (const auto& [quantity, name] : request_.names) taken.insert(name);
-  for (const SignalLog& log : logs_) {
-    for (const JointColumns& joint : servo_joints(request_, log)) {
-      taken.insert({log.names[joint.command], log.names[joint.measured]});
+    taken_.insert(names.begin(), names.end());
+  for (const auto& [quantity, name] : request_.names) taken_.insert(name);
+  for (size_t i = 0; i < logs_.size(); ++i) {
+    const SignalLog& log = logs_[i];
+    for (const JointColumns& joint : joints_of_[i]) {
+      taken_.insert({log.names[joint.command], log.names[joint.measured]});
       if (!joint.effort) continue;
-      taken.insert(log.names[*joint.effort]);
+      taken_.insert(log.names[*joint.effort]);
       if (called_.try_emplace(kEffort, Names{log.names[*joint.effort]}).second)
         extra_.emplace_back(kEffort);
     }
-    taken.insert(log.names[time_in(log)]);
+    taken_.insert(log.names[time_in(log)]);
   }
   for (const SignalLog& log : logs_) {
     for (size_t c = 0; c < log.names.size(); ++c) {
@@ -282,18 +310,26 @@ void ServoImport::run() {
                                      [](double value) { return std::isfinite(value); });
       const bool ours = name.find('[') != std::string::npos || name.ends_with("_ctrl") ||
                         name.ends_with("_qpos") || name == "run" || name == "joint";
-      if (!whole || ours || is_of_data_set(name) || taken.contains(name) ||
+      if (!whole || ours || is_of_data_set(name) || taken_.contains(name) ||
           called_.contains(plain(name)))
         continue;
       extra_.push_back(plain(name));
       called_[plain(name)] = {name};
     }
   }
+}
+
+void ServoImport::run() {
+  ServoLogs found = servo_logs(request_, draft_);
+  logs_ = std::move(found.logs), request_ = std::move(found.request);
+  look_at_words();
+  keep_ours();
+  keep_others();
   std::set<std::string> stems;
   for (size_t i = 0; i < logs_.size(); ++i) {
     std::string stem = plain(found.runs[i]);
     if (!stems.insert(stem).second) stem = fmt::format("{}-{}", stem, i);
-    add_log(logs_[i], stem);
+    add_log(logs_[i], joints_of_[i], stem);
   }
   write();
 }

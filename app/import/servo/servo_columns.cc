@@ -188,6 +188,11 @@ const ServoNames& servo_names() {
   return names;
 }
 
+const Names& effort_ends() {
+  static const Names ends = {"_effort", "_effort_nm", "_torque", "_torque_nm", ".effort"};
+  return ends;
+}
+
 size_t servo_signal(const ImportRequest& request, const SignalLog& log, const std::string& quantity,
                     const Names& usual) {
   const std::string mapped = request.name_of(quantity);
@@ -235,7 +240,6 @@ namespace {
 
 void add_efforts(const ImportRequest& request, const SignalLog& log,
                  std::vector<JointColumns>& joints) {
-  static const Names kEnds = {"_effort", "_effort_nm", "_torque", "_torque_nm", ".effort"};
   const std::string mapped = request.name_of("effort");
   const Names usual = mapped.empty() ? servo_names().efforts : Names{mapped};
   for (size_t i = 0; i < joints.size(); ++i) {
@@ -243,7 +247,7 @@ void add_efforts(const ImportRequest& request, const SignalLog& log,
     for (const std::string& list : usual) {
       if (at < 0 && items_in(log, list) == joints.size()) at = item_in(log, list, i);
     }
-    for (const std::string& end : kEnds) {
+    for (const std::string& end : effort_ends()) {
       if (at < 0 && mapped.empty()) at = log.find({joints[i].joint + end});
     }
     if (at >= 0) joints[i].effort = static_cast<size_t>(at);

@@ -15,6 +15,8 @@ struct ServoNames {
   std::vector<std::string> times, commands, measured, efforts, voltages, gains, enabled;
 };
 const ServoNames& servo_names();
+// What stands behind a joint's name where the column is its torque.
+const std::vector<std::string>& effort_ends();
 
 // One joint's columns in a log.
 struct JointColumns {
