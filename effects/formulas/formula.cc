@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <cmath>
 #include <map>
+#include <string_view>
 
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
@@ -150,12 +152,46 @@ struct Compiled {
 
 std::atomic<uint64_t> next_id{1};
 
-// The parser takes a NUL for the end, and its time grows with the length.
+bool is_of_word(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.';
+}
+
+// Numbers, names and operators: what the time of an evaluation grows with.
+size_t parts_in(const std::string& text) {
+  constexpr std::string_view kNoOperators = " \t\r\n(),";
+  size_t parts = 0;
+  for (size_t at = 0; at < text.size();) {
+    const size_t start = at;
+    const bool number = std::isdigit(static_cast<unsigned char>(text[at])) != 0;
+    const auto of_exponent = [&] {  // 1e-3
+      return number && at > start && (text[at] == '-' || text[at] == '+') &&
+             (text[at - 1] == 'e' || text[at - 1] == 'E');
+    };
+    while (at < text.size() && (is_of_word(text[at]) || of_exponent())) ++at;
+    if (at == start) {
+      const bool two = at + 1 < text.size() && (text[at + 1] == '=' || text[at + 1] == text[at]) &&
+                       std::string_view("<>=!&|").find(text[at]) != std::string_view::npos;
+      parts += kNoOperators.find(text[at]) == std::string_view::npos ? 1 : 0;
+      at += two ? 2 : 1;
+    } else {
+      ++parts;
+    }
+  }
+  return parts;
+}
+
+// The parser takes a NUL for the end.
 void check_text(const std::string& text) {
   constexpr size_t kMostCharacters = 10'000;
   if (text.size() > kMostCharacters)
     throw InputError(
         fmt::format("formula of {} characters, expected {} at most", text.size(), kMostCharacters));
+  constexpr size_t kMostParts = 1000;
+  if (const size_t parts = parts_in(text); parts > kMostParts)
+    throw InputError(fmt::format(
+        "formula of {} numbers, names and operators, expected {} at most: a fit evaluates it for "
+        "each row, again and again",
+        parts, kMostParts));
   const auto odd = std::find_if(text.begin(), text.end(), [](char c) {
     return c != '\t' && c != '\n' && c != '\r' &&
            (static_cast<unsigned char>(c) < 0x20 || c == 0x7F);
