@@ -173,6 +173,23 @@ class Outputs(unittest.TestCase):
             self.refused("the same file as", "discover", *analysed, "--out", room / file, code=2)
             self.refused("the same file as", "export", analysed[1], "--to", "mrcal", "--data", room, "--out", room / file, code=2)
             self.assertEqual((room / file).read_bytes(), kept)
+        # Nor the pictures that a table names, nor what measurement.yaml names elsewhere than under files.
+        self.protocol()
+        flats = self.here / "sets/flat_fields"
+        (flats / "lamp.txt").write_text("of the laboratory\n")
+        with (flats / "measurement.yaml").open("a") as settings:
+            settings.write("apparatus: {papers: [lamp.txt]}\n")
+        for file in ("frames/0003.png", "lamp.txt"):
+            kept = (flats / file).read_bytes()
+            self.refused("the same file as", "compare", "--model", SOURCE / "models/ers210_full.yaml", "--data", flats, "--json",
+                         flats / file, code=2)
+            self.assertEqual((flats / file).read_bytes(), kept)
+        frames = self.here / "frames"
+        self.assertEqual(seam("run", self.scenario, "--frames", frames).returncode, 0)
+        picture = next(frames.glob("*.png"))
+        kept = picture.read_bytes()
+        self.refused("the same file as", "contact-sheet", frames, "--out", picture, code=2)
+        self.assertEqual(picture.read_bytes(), kept)
         model = self.here / "model.yaml"
         shutil.copy(analysed[1], model)
         kept = model.read_bytes()

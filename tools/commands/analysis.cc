@@ -126,11 +126,35 @@ std::string how_to_add(const AnalysisFlags& flags, const std::string& model,
          how_to_add_lens(flags, model, result);
 }
 
+namespace {
+
+// Those in `folder` that a key anywhere below `node` names: tables, poses, a scene, a scenario.
+void add_named_files(const ConfigNode& node, const std::filesystem::path& folder,
+                     std::vector<std::filesystem::path>& files) {
+  if (node.is_map()) {
+    for (const std::string& key : node.keys()) add_named_files(node.at(key), folder, files);
+  } else if (node.is_scalar()) {
+    std::error_code is_none;
+    const std::filesystem::path path = folder / node.text();
+    if (is_regular_file(path, is_none)) files.push_back(path);
+  } else if (!node.is_null()) {
+    for (const ConfigNode& item : node.items()) add_named_files(item, folder, files);
+  }
+}
+
+}  // namespace
+
 std::vector<std::filesystem::path> files_of_set(const std::string& folder) {
   std::vector<std::filesystem::path> files = {std::filesystem::path(folder) / "measurement.yaml"};
   try {
     const auto set = measurement::MeasurementSet::open(folder);
-    for (const auto& [name, file] : set.files) files.push_back(set.folder / file);
+    add_named_files(set.root, set.folder, files);
+    for (const auto& [name, file] : set.files) {
+      if (!std::string_view(file).ends_with(".csv")) continue;
+      const measurement::CsvTable table = set.table(name);
+      if (!table.has("file")) continue;
+      for (const std::string& picture : table.texts("file")) files.push_back(set.folder / picture);
+    }
   } catch (const std::exception&) {
   }
   return files;

@@ -61,7 +61,7 @@ double unexplained_error(const measurement::SearchResult& result);
 std::string how_to_add(const AnalysisFlags& flags, const std::string& model,
                        const std::string& suggested, const measurement::SearchResult& result);
 
-// What a set's folder holds of measurements, which no output may replace. A set that cannot be
+// What a set names, its pictures too, and no output may replace. A set that cannot be
 // opened has none: its command says why.
 std::vector<std::filesystem::path> files_of_set(const std::string& folder);
 

@@ -184,7 +184,12 @@ void add_contact_sheet(app::Command app) {
       .show_default();
   command.footer("Example: seam contact-sheet rolling instantaneous --out sheet.png");
   command.callback([settings] {
-    OutputFile out(settings->out);
+    OutputRules rules;
+    for (const std::string& folder : settings->folders) {
+      rules.inputs.push_back(std::filesystem::path(folder) / "frames.csv");
+      for (const FilmedFrame& frame : read_frames(folder)) rules.inputs.emplace_back(frame.file);
+    }
+    OutputFile out(settings->out, rules);
     std::vector<render::Panel> panels;
     for (const std::string& folder : settings->folders) {
       for (render::Panel& panel : panels_of(folder, *settings)) panels.push_back(std::move(panel));
