@@ -90,10 +90,16 @@ void add_measure(app::Command app) {
     const effects::Model truth = read_model(flags->model);
     const auto protocol = measurement::MeasurementSet::open(flags->protocol);
     const FolderOfSet folder(flags->out, flags->protocol, flags->force);
-    measurement::measure_set(
-        truth, protocol, {.seed = flags->seed, .noise = flags->noise == "on", .out = folder.made()},
-        app::instruments(flags->runs));
+    std::vector<std::string> warnings;
+    measurement::measure_set(truth, protocol,
+                             {.seed = flags->seed,
+                              .noise = flags->noise == "on",
+                              .out = folder.made(),
+                              .warnings = &warnings},
+                             app::instruments(flags->runs));
     folder.finish();
+    for (const std::string& warning : warnings)
+      std::fprintf(stderr, "warning: %s\n", warning.c_str());
     if (flags->noise == "on") warn_of_no_noise(truth, protocol);
     std::printf("%s\n", flags->out.c_str());
   });

@@ -230,6 +230,14 @@ async function seeIt(page) {
   await until(page, () => document.querySelector(".frames").dataset.quality === "fine");
   assert.notEqual(await difference(), turning, "the frames follow the slider");
   await fits(page, `See it, ${page.viewportSize().width} px`, "light");
+  if (page.viewportSize().width > 560) return;
+  for (const name of ["before", "difference", "after"]) {
+    await page.getByRole("group", { name: "Picture" }).getByRole("button", { name }).click();
+    const widths = await page.locator(".frame canvas").evaluateAll((all) => all.map((one) => one.clientWidth).filter((width) => width > 0));
+    assert.equal(widths.length, 1, "one picture at a time");
+    assert.ok(widths[0] > 300, `${name} is ${widths[0]} px wide`);
+    await shot(page, `see_${name}`);
+  }
 }
 
 async function journey(browser, size) {

@@ -34,11 +34,11 @@ async function read(): Promise<void> {
   }
 }
 
-/** The first that acts; of points seen by a camera that no joint turns the lens. */
+/** The first that acts; of what a camera saw the lens, whether joints turn it or not. */
 function firstStage(all: api.Stage[]): api.Stage | undefined {
-  const turns = session.value?.set?.columns.some(({ name }) => /_rad$/.test(name));
+  const acting = all.filter((one) => one.acts !== false);
   const camera = ["points", "frames"].includes(session.value?.set?.kind ?? "");
-  return (camera && !turns ? all.find((one) => one.name === "geometry") : undefined) ?? all[0];
+  return (camera ? acting.find((one) => one.name === "geometry") : undefined) ?? acting[0] ?? all[0];
 }
 
 /** What stands in the editor where nothing was written. */

@@ -13,6 +13,9 @@ const before = signal("");
 const changes = signal<Changes>({});
 const headRate = signal(120);
 const mostRate = 300; // deg/s
+const pictures = ["before", "after", "difference"];
+/** Where the page has the width of one alone. */
+const picture = signal("after");
 
 /** The version to compare with: that which a person chose, else the first. */
 const other = () => (session.value!.versions.some((one) => one.id === before.value) ? before.value
@@ -64,17 +67,20 @@ function Frames() {
   const from = other(), to = version.value?.id ?? "";
   return (
     <div class="frames" data-quality={now ? (now.coarse ? "coarse" : "fine") : "none"} data-took-ms={now ? Math.round(now.took_ms) : ""}>
-      <Frame title={<>before: version {from}, {name(from)}</>}>{now && <FrameCanvas now={now.before} label="rendered: before" />}</Frame>
-      <Frame title={<>after: version {to}, {name(to)}{changed.length > 0 && <> with <b>{changed.join(", ")}</b> changed</>}</>}>
+      <div class="frames-choice" role="group" aria-label="Picture">
+        {pictures.map((name) => <button key={name} type="button" aria-pressed={picture.value === name} onClick={() => (picture.value = name)}>{name}</button>)}
+      </div>
+      <Frame of="before" title={<>before: version {from}, {name(from)}</>}>{now && <FrameCanvas now={now.before} label="rendered: before" />}</Frame>
+      <Frame of="after" title={<>after: version {to}, {name(to)}{changed.length > 0 && <> with <b>{changed.join(", ")}</b> changed</>}</>}>
         {now && <FrameCanvas now={now.after} label="rendered: after" />}</Frame>
-      <Frame title="difference">{now && <FrameCanvas now={now.after} less={now.before} label="rendered: difference" />}</Frame>
+      <Frame of="difference" title="difference">{now && <FrameCanvas now={now.after} less={now.before} label="rendered: difference" />}</Frame>
     </div>
   );
 }
 
-function Frame({ title, children }: { title: preact.ComponentChildren; children: preact.ComponentChildren }) {
+function Frame({ of, title, children }: { of: string; title: preact.ComponentChildren; children: preact.ComponentChildren }) {
   return (
-    <figure class="figure frame">
+    <figure class={`figure frame${picture.value === of ? " chosen" : ""}`}>
       <h3>{title}</h3>
       {seen.value ? children : <p class="empty" role="status">{unseen.value ? "no image" : "rendering …"}</p>}
     </figure>
