@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "measurement/imaging/instruments.h"
 #include "measurement/problem/problem.h"
@@ -17,6 +18,7 @@ struct MeasureOptions {
   uint64_t seed = 0;
   bool noise = true;  // False: the noise-free prediction.
   std::filesystem::path out;
+  std::vector<std::string>* warnings = nullptr;  // Of what the set does not show.
 };
 
 struct Kind {

@@ -11,7 +11,7 @@ namespace {
 // Kalman's filter of the state and the wanders, and their covariance without any measurement.
 class Filter {
  public:
-  Filter(double draw_sigma, const std::vector<effects::Wander>& wanders)
+  Filter(const DrivenStart& start, double draw_sigma, const std::vector<effects::Wander>& wanders)
       : variance_(draw_sigma * draw_sigma),
         wanders_(wanders),
         size_(2 + static_cast<Eigen::Index>(wanders.size())),
@@ -24,6 +24,7 @@ class Filter {
       known_(at, at) = wanders_[i].sigma * wanders_[i].sigma;
     }
     alone_ = known_;
+    mean_[0] = start.q, known_(0, 0) = start.variance;
   }
 
   void move(const DrivenStep& step, double dt_s) {
@@ -72,9 +73,9 @@ class Filter {
 
 void whiten_driven(const Facts& facts, const std::vector<size_t>& scalars,
                    const std::vector<double>& time_s, const std::vector<DrivenStep>& steps,
-                   double draw_sigma, const std::vector<effects::Wander>& wanders,
-                   Evaluation& evaluation) {
-  Filter filter(draw_sigma, wanders);
+                   const DrivenStart& start, double draw_sigma,
+                   const std::vector<effects::Wander>& wanders, Evaluation& evaluation) {
+  Filter filter(start, draw_sigma, wanders);
   for (size_t k = 0; k < scalars.size(); ++k) {
     if (k > 0) filter.move(steps[k - 1], time_s[k] - time_s[k - 1]);
     const size_t i = scalars[k];

@@ -18,13 +18,18 @@ struct DrivenStep {
   double q_of_square = 0, w_of_square = 0;
 };
 
+// The first angle of a state that is not known to begin at 0.
+struct DrivenStart {
+  double q = 0, variance = 0;
+};
+
 // Takes residuals with sigmas of their own (whitened by these already, as whiten_diagonal leaves
 // them) in order of time, with a step less than rows. Errors that wander may add to the same
 // residuals. Whitens those that are used, adds what is missing to their group's log det, and to the
-// sigmas of all. The state begins at 0.
+// sigmas of all, which have nothing of the start. The rate begins at 0.
 void whiten_driven(const Facts& facts, const std::vector<size_t>& scalars,
                    const std::vector<double>& time_s, const std::vector<DrivenStep>& steps,
-                   double draw_sigma, const std::vector<effects::Wander>& wanders,
-                   Evaluation& evaluation);
+                   const DrivenStart& start, double draw_sigma,
+                   const std::vector<effects::Wander>& wanders, Evaluation& evaluation);
 
 }  // namespace seam::measurement

@@ -8,6 +8,18 @@
 namespace seam::measurement {
 namespace {
 
+// What a state of (q, w) at the row `from` makes of the rows from there on.
+Eigen::VectorXd followed(const std::vector<DrivenStep>& steps, size_t from, double q, double w) {
+  Eigen::VectorXd errors = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(steps.size() + 1));
+  for (size_t k = from; k <= steps.size(); ++k) {
+    errors[static_cast<Eigen::Index>(k)] = q;
+    if (k == steps.size()) break;
+    const double moved = steps[k].q_of_q * q + steps[k].q_of_w * w;
+    w = steps[k].w_of_q * q + steps[k].w_of_w * w, q = moved;
+  }
+  return errors;
+}
+
 // Against the covariance of all residuals at once.
 TEST(DrivenErrors, AreWhitenedAsByTheWholeCovariance) {
   constexpr int kRows = 30;
@@ -33,23 +45,17 @@ TEST(DrivenErrors, AreWhitenedAsByTheWholeCovariance) {
   evaluation.log_det = {0};
   // Errors of all rows by the draws.
   Eigen::MatrixXd by_draw = Eigen::MatrixXd::Zero(kRows, kRows - 1), by_square = by_draw;
-  const auto follow = [&](int d, double q, double w, Eigen::MatrixXd& errors) {
-    for (int k = d + 1; k < kRows; ++k) {
-      errors(k, d) = q;
-      if (k + 1 == kRows) break;
-      const double moved = steps[k].q_of_q * q + steps[k].q_of_w * w;
-      w = steps[k].w_of_q * q + steps[k].w_of_w * w, q = moved;
-    }
-  };
   for (int d = 0; d + 1 < kRows; ++d) {
-    follow(d, steps[d].q_of_draw, steps[d].w_of_draw, by_draw);
-    follow(d, steps[d].q_of_square, steps[d].w_of_square, by_square);
+    by_draw.col(d) = followed(steps, d + 1, steps[d].q_of_draw, steps[d].w_of_draw);
+    by_square.col(d) = followed(steps, d + 1, steps[d].q_of_square, steps[d].w_of_square);
   }
+  const Eigen::VectorXd by_start = followed(steps, 0, 1, 0);
+  constexpr DrivenStart kStart{.q = 0.8, .variance = 0.6};
   constexpr double kVariance = kDraw * kDraw;
   // The square of a normal draw has this mean, and twice the variance squared.
   Eigen::MatrixXd whole = kVariance * by_draw * by_draw.transpose() +
                           2 * kVariance * kVariance * by_square * by_square.transpose();
-  const Eigen::VectorXd mean = kVariance * by_square.rowwise().sum();
+  const Eigen::VectorXd mean = kVariance * by_square.rowwise().sum() + kStart.q * by_start;
   std::vector<int> used;
   for (int a = 0; a < kRows; ++a) {
     if (evaluation.used[a]) used.push_back(a);
@@ -64,17 +70,19 @@ TEST(DrivenErrors, AreWhitenedAsByTheWholeCovariance) {
   for (Eigen::Index a = 0; a < count; ++a) {
     residual[a] = evaluation.residual[used[a]] - mean[used[a]];
     own_log_det += 2 * std::log(evaluation.sigma[used[a]]);
-    for (Eigen::Index b = 0; b < count; ++b) part(a, b) = whole(used[a], used[b]);
+    for (Eigen::Index b = 0; b < count; ++b)
+      part(a, b) =
+          whole(used[a], used[b]) + kStart.variance * by_start(used[a]) * by_start(used[b]);
   }
   const Eigen::LLT<Eigen::MatrixXd> factor(part);
   const Eigen::VectorXd whitened = factor.matrixL().solve(residual);
   double log_det = 0;
   for (Eigen::Index a = 0; a < count; ++a) log_det += 2 * std::log(factor.matrixL()(a, a));
 
-  whiten_driven(facts, scalars, time_s, steps, kDraw, {{kWander, kTau_s}}, evaluation);
+  whiten_driven(facts, scalars, time_s, steps, kStart, kDraw, {{kWander, kTau_s}}, evaluation);
   for (Eigen::Index a = 0; a < count; ++a) {
     EXPECT_NEAR(evaluation.whitened[used[a]], whitened[a], 1e-9);
-    EXPECT_NEAR(evaluation.sigma[used[a]], std::sqrt(part(a, a)), 1e-9);
+    EXPECT_NEAR(evaluation.sigma[used[a]], std::sqrt(whole(used[a], used[a])), 1e-9);
   }
   EXPECT_NEAR(evaluation.log_det[0] + own_log_det, log_det, 1e-9);
 }

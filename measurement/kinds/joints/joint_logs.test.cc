@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -220,6 +221,42 @@ TEST(JointLogs, LateCommandsAreWhitenedAsByTheWholeCovarianceOfALag) {
   const double rows = 6 * 300;
   EXPECT_NEAR(chi2, rows, 4 * std::sqrt(2 * rows));
   EXPECT_GT(white_chi2, 5 * rows);
+}
+
+// A joint that dry friction holds where it starts is measured there by its first rows: what late
+// commands make of it later says nothing of that.
+TEST(JointLogs, ALateCommandDoesNotMoveWhereAStuckJointStarts) {
+  constexpr double kNoise_rad = 0.0005;
+  const Model truth = model_of(
+      "  motor_servo: {stall_rad_per_s2: 800, back_emf_per_s: 20, gain: 0.25}\n"
+      "  coulomb_friction: {rad_per_s2: 20}\n  servo_latency: {latency_s: 0.005}\n"
+      "  command_jitter: {sigma_s: 0.002}\n");
+  const MadeSet set("late_stuck", /*releases=*/false);
+  const JointsProblem problem = set.made_by(truth, 11);
+  const Evaluation here = problem.evaluate(truth, problem.all_groups(), nullptr);
+  double chi2 = 0, white_chi2 = 0;
+  for (size_t i = 0; i < here.whitened.size(); ++i) {
+    chi2 += here.whitened[i] * here.whitened[i];
+    white_chi2 += here.residual[i] * here.residual[i] / (kNoise_rad * kNoise_rad);
+  }
+  const auto rows = static_cast<double>(here.whitened.size());
+  EXPECT_GT(white_chi2, 5 * rows);
+  EXPECT_NEAR(chi2, rows, 5 * std::sqrt(2 * rows));
+}
+
+TEST(JointLogs, LateCommandsOfAServoThatIsThereAtOnceAreSaidToShowNothing) {
+  const std::string at_once = "  ideal_servo: {}\n", late = "  command_jitter: {sigma_s: 0.001}\n";
+  EXPECT_THAT(why_late_commands_hide(model_of(at_once + late)),
+              testing::HasSubstr("shows nothing"));
+  EXPECT_EQ(why_late_commands_hide(model_of(at_once)), "");
+  EXPECT_EQ(why_late_commands_hide(model_of(at_once + "  servo_lag: {tau_s: 0.05}\n" + late)), "");
+  EXPECT_THAT(why_late_commands_hide(
+                  model_of(at_once + "  elastic_joint: {period_s: 0.1, damping: 0.1}\n" + late)),
+              testing::HasSubstr("elastic"));
+  const MadeSet set("late_at_once", /*releases=*/false);
+  const JointsProblem problem = set.made_by(model_of(at_once + late), 3);
+  EXPECT_THAT(problem.remarks(model_of(at_once + late)),
+              testing::Contains(testing::HasSubstr("command_jitter shows nothing")));
 }
 
 // As it is made, its size is found, beside the values of the mean.

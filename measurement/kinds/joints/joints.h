@@ -247,6 +247,7 @@ class JointsProblem : public Problem {
                                 const Evaluation& there) const;
 
   JointLogs set_;
+  bool efforts_read_ = false;       // The model given predicts them.
   std::vector<double> efforts_nm_;  // By row, NaN where blank; empty: none are measured.
   // Scalars of angles are numbered as the rows, those of torques follow. By row, -1: none.
   std::vector<int> effort_scalar_;
@@ -258,6 +259,10 @@ class JointsProblem : public Problem {
   std::vector<RoundedAngle> roundings_;  // With less and less of it; one where the set states it.
   double largest_step_rad_ = 0;          // Of an encoder, that the scatter of neighbours allows.
 };
+
+// Why the times of commands show nothing in this model's logs, a sentence; empty where it has no
+// scatter of them, or shows it.
+std::string why_late_commands_hide(const Model& model);
 
 // Makes the log that the model would give (`seam measure`): the joint starts at rest at its first
 // command.

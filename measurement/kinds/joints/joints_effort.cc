@@ -53,9 +53,10 @@ void JointsProblem::add_efforts(const CsvTable& table, const MeasurementSet& set
 void JointsProblem::place(const Model& given) {
   facts_.set.lacks = lacks();
   for (effects::Lack& lack : lacks_of_torques(&given)) facts_.set.lacks.push_back(std::move(lack));
+  efforts_read_ = has_efforts() && predicts_efforts(given);
   if (!has_efforts()) return;
   gross_.assign(facts_.scalars(), 0);
-  if (predicts_efforts(given)) return;
+  if (efforts_read_) return;
   for (const int scalar : effort_scalar_) {
     if (scalar >= 0) gross_[static_cast<size_t>(scalar)] = 1;
   }
@@ -110,6 +111,13 @@ std::vector<std::string> JointsProblem::remarks(const Model& model) const {
     remarks.push_back(
         fmt::format("{}: column {} takes no part: the model predicts no torque (motor_servo does)",
                     facts_.file, kEffort));
+  else if (has_efforts() && !efforts_read_)
+    remarks.push_back(fmt::format(
+        "{}: column {} took no part: the search began with a model that predicts no torque; ask "
+        "again with the model found, which does",
+        facts_.file, kEffort));
+  if (std::string hidden = why_late_commands_hide(model); !hidden.empty())
+    remarks.push_back(std::move(hidden));
   return remarks;
 }
 

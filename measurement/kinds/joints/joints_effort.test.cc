@@ -114,6 +114,9 @@ TEST(Effort, AModelWithoutTorqueIgnoresTheColumn) {
   EXPECT_EQ(a.log_likelihood, b.log_likelihood);
   ASSERT_FALSE(with.remarks(lag).empty());
   EXPECT_THAT(with.remarks(lag).back(), HasSubstr("effort_nm takes no part"));
+  // What a search from there ends with predicts it, but was not held against it.
+  EXPECT_THAT(with.remarks(model_of(kSprungMotor)),
+              testing::ElementsAre(HasSubstr("effort_nm took no part")));
   EXPECT_TRUE(plain.remarks(lag).empty());
 }
 

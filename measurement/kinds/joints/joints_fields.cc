@@ -168,8 +168,23 @@ std::vector<FieldPlace> JointsProblem::field_places(const Model& model,
   return all;
 }
 
+std::string why_late_commands_hide(const Model& model) {
+  if (!(effects::noise_of(model).command_sigma_s > 0)) return "";
+  const effects::ServoModel servo = effects::servo_of(model);
+  if (servo.elastic.present())
+    return "command_jitter takes no part: of an elastic joint angle and rate are not the whole "
+           "state";
+  const bool at_once = !servo.torque.present && servo.tau_s == 0 && std::isinf(servo.rad_per_s) &&
+                       std::isinf(servo.rad_per_s2);
+  return at_once ? "command_jitter shows nothing: this servo is at its command at once, and a log "
+                   "does not say when between two rows that was (servo_lag, speed_limit, "
+                   "acceleration_limit and motor_servo take time)"
+                 : "";
+}
+
 // Of an elastic joint angle and rate are not the whole state: there the time of commands shows
-// nothing.
+// nothing. Where a log starts was fitted as if all errors were white: among these it is one of the
+// states, measured by the first row, and known near there.
 void JointsProblem::whiten_late_commands(const Model& model, const effects::Noise& noise,
                                          const Groups& groups, Evaluation& evaluation) const {
   if (effects::servo_of(model).elastic.present()) return;
@@ -197,8 +212,12 @@ void JointsProblem::whiten_late_commands(const Model& model, const effects::Nois
   });
   for (size_t at = 0; at < used.size(); ++at) {
     const JointLog& log = set_.logs[used[at]];
-    whiten_driven(facts_, log.rows, log.time_s, *steps[at], noise.command_sigma_s, noise.joint,
+    const double* start = &evaluation.nuisance_values.at(kStartValues * at);
+    const DrivenStart off{-start[0], kFarthestStart * kFarthestStart * noise_rad * noise_rad};
+    whiten_driven(facts_, log.rows, log.time_s, *steps[at], off, noise.command_sigma_s, noise.joint,
                   evaluation);
+    // In place of how often over the rows tell the start.
+    evaluation.log_det[facts_.group_of(log.rows[0])] -= start[2] + 2 * std::log(kFarthestStart);
   }
 }
 

@@ -71,11 +71,14 @@ void measure_joints(const Model& truth, const MeasurementSet& protocol,
   std::vector<double> measured(table.rows(), 0), drives;
   const double late_s = options.noise ? effects::noise_of(truth).command_sigma_s : 0;
   const double latency_s = effects::servo_of(truth).latency_s;
+  bool late_shows = false;
   for (const JointLog& given : set.logs) {
     const JointLog log =
         late_s > 0 ? with_late_commands(given, late_s, latency_s, random.child("late")) : given;
     const auto angles = predict_joint_log(truth, set, log, log.command_rad.front(), 0, {}, &drives);
     efforts.add(log, drives, options.noise ? &of_efforts : nullptr);
+    late_shows |=
+        late_s > 0 && angles != predict_joint_log(truth, set, given, given.command_rad.front());
     std::vector<double> wander(options.noise ? angles.size() : 0, 0);
     std::vector<size_t> order(wander.size());
     std::iota(order.begin(), order.end(), 0);
@@ -89,6 +92,10 @@ void measure_joints(const Model& truth, const MeasurementSet& protocol,
       measured[log.rows[k]] = angle;
     }
   }
+  // Where commands are so late that some act behind the next row, even such a servo shows it.
+  if (const std::string hidden = why_late_commands_hide(truth);
+      late_s > 0 && !late_shows && !hidden.empty() && options.warnings != nullptr)
+    options.warnings->push_back(hidden);
   copy_protocol(protocol, options.out, {"joints"});
   std::vector<std::string> names = {"measured_rad"};
   std::vector<std::vector<double>> made = {measured};
