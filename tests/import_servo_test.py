@@ -108,6 +108,22 @@ def test_words_for_numbers(folder):
             words=["signal 'kq' (--map kp=...) is missing", "did you mean 'kp'"])
 
 
+def test_many_joints_and_odd_names(folder):
+    """Hundreds of columns take seconds, not minutes; torques of some joints alone are said; a name of a file ends no cell."""
+    t = np.arange(30) * 0.01
+    lines = ["time," + ",".join(f"command_{i},position_{i}" for i in range(400))]
+    lines += [f"{a:.2f}," + ",".join(f"{0.1 * np.sin(9 * a):.4f},{0.1 * np.sin(9 * a - 0.3):.4f}" for _ in range(400)) for a in t]
+    many = folder / 'a,"b\nc.csv'
+    many.write_text("\n".join(lines) + "\n")
+    imported("servo", many, "--unit", "rad", out=folder / "many")
+    rows = rows_of(folder / "many" / "joints.csv")
+    assert len(rows) == 400 * 30 and {row["run"] for row in rows} == {"a__b_c"}, rows[0]
+    samples = [{"time": a, "command": [np.sin(a), 0.5 * a], "position": [np.sin(a - 0.1), 0.5 * a - 0.1], "effort": [0.5, "x"]} for a in t]
+    (folder / "some.json").write_text(json.dumps(samples))
+    said = imported("servo", folder / "some.json", "--unit", "rad", out=folder / "some")
+    assert "column effort has not one number for each of 2 joints: left out" in said, said
+
+
 def test_off(folder):
     """A drive that is off in parts of a log, where its command reads 0 or nothing."""
     t, command, measured = servo_log()

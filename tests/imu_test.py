@@ -58,6 +58,14 @@ class Case(unittest.TestCase):
 
 
 class Tables(Case):
+    def test_names_of_files_end_no_cell(self):
+        tables = [self.folder / name for name in ('a,"b.csv', "c\nd.csv")]
+        for table in tables:
+            table.write_text("time,gx,gy,gz\n" + "".join(f"{0.01 * k:.2f}," + ",".join(f"{0.01 * (k * step % 101)}" for step in (7919, 31, 57)) + "\n" for k in range(300)))
+        run("import", "imu", *tables, "--out", self.folder / "out")
+        rows = (self.folder / "out" / "imu.csv").read_text().splitlines()
+        self.assertEqual({row.split(",")[0] for row in rows[1:]}, {"1 a__b", "2 c_d"})
+
     def test_a_column_that_stands_twice_is_refused(self):
         table = self.folder / "twice.csv"
         table.write_text("# of a sensor\ntime,gx,gy,gz,gx\n" + "".join(f"{0.01 * k:.2f},1,2,3,4\n" for k in range(100)))

@@ -54,6 +54,12 @@ std::string error_of_model(const std::string& effects) {
   return "no error";
 }
 
+TEST(Formula, ACommaIsNoDecimalPoint) {
+  EXPECT_THAT(error_of_model("  e: {stage: geometry, u: 'u + k * 0,5', parameters: {k: 0}}"),
+              testing::HasSubstr("found 2 formulas with commas between, expected one"));
+  EXPECT_EQ(Formula("max(x, 2) + min(1, x)", {"x"})(std::array{3.0}), 4);
+}
+
 TEST(Formula, ControlCharactersAndEndlessTextsAreRefused) {
   EXPECT_THROW(Formula(std::string("x\0+1", 4), {"x"}), InputError);
   EXPECT_THROW(Formula("x + \x1b 1", {"x"}), InputError);

@@ -231,6 +231,13 @@ Formula::Formula(const std::string& text, std::vector<std::string> variables, Na
   }
   const std::vector<double> ones(variables_.size(), 1);
   (*this)(ones);
+  // Of several formulas with commas between the parser takes the last: "0,5 * x" would be 5 * x.
+  const Compiled alone(text_, variables_, names_);
+  alone.parser->Eval();
+  if (const int count = alone.parser->GetNumResults(); count != 1)
+    throw InputError(fmt::format(
+        "formula '{}': found {} formulas with commas between, expected one (a decimal has a point)",
+        shortened(text_), count));
 }
 
 double Formula::operator()(std::span<const double> values) const {

@@ -32,6 +32,13 @@ std::string yaml_text(std::string_view text) {
   return out + '"';
 }
 
+std::string csv_word(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(),
+      [](char c) { return c == ',' || c == '"' || static_cast<unsigned char>(c) <= ' '; }, '_');
+  return text;
+}
+
 std::string exact(double value) {
   // Twelve digits where they hold the number, so that 0.1 + 0.2 and the like stay readable.
   std::string text = fmt::format("{:.12g}", value);

@@ -68,6 +68,9 @@ class SetDraft {
 // A text in quotes of YAML.
 std::string yaml_text(std::string_view text);
 
+// A text as a cell of CSV without quotes: what would end it becomes an underscore.
+std::string csv_word(std::string text);
+
 // The shortest decimal that reads back as this number.
 std::string exact(double value);
 // Nanoseconds as decimal seconds.

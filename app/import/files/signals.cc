@@ -38,11 +38,14 @@ std::string plain(std::string text) {
 
 int place_among(const std::vector<std::string>& names, const std::vector<std::string>& wanted) {
   for (const bool as_it_stands : {true, false}) {
-    for (const std::string& name : wanted) {
-      for (size_t i = 0; i < names.size(); ++i) {
-        if (as_it_stands ? lower(names[i]) == lower(name) : plain(names[i]) == plain(name))
-          return static_cast<int>(i);
-      }
+    for (const std::string& given : wanted) {
+      const std::string name = as_it_stands ? lower(given) : plain(given);
+      const auto is_it = [&](const std::string& other) {
+        if (as_it_stands) return other.size() == name.size() && lower(other) == name;
+        return other.size() >= name.size() && plain(other) == name;
+      };
+      const auto found = std::find_if(names.begin(), names.end(), is_it);
+      if (found != names.end()) return static_cast<int>(found - names.begin());
     }
   }
   return -1;

@@ -51,6 +51,7 @@ class ServoImport {
   std::vector<std::vector<JointColumns>> joints_of_;  // By log.
   std::vector<std::string> extra_;       // Columns beside ours, by their name in the set.
   std::map<std::string, Names> called_;  // What they are called in the files.
+  std::map<std::string, int> place_;     // Of these columns, in the log that is being added.
   std::set<std::string> taken_;          // Signals with a use of their own, by name.
   std::vector<std::vector<std::string>> rows_;
   std::set<std::string> runs_, joints_;
@@ -86,7 +87,7 @@ std::string ServoImport::cell(const SignalLog& log, const JointColumns& joint,
   }
   if (off && column == kEnabled) return "0";
   if (column == kEnabled && called_.at(column).empty()) return "1";
-  const int at = log.find(called_.at(column));
+  const int at = place_.at(column);
   double value = NAN;
   if (at >= 0) {
     value = log.values[static_cast<size_t>(at)][row];
@@ -156,14 +157,6 @@ void ServoImport::add_rows(const SignalLog& log, const std::string& run, const J
   joints_.insert(joint.joint);
 }
 
-// What stands in a cell of CSV without quotes.
-std::string plain(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(),
-      [](char c) { return c == ',' || c == '"' || static_cast<unsigned char>(c) <= ' '; }, '_');
-  return text;
-}
-
 void ServoImport::add_log(const SignalLog& log, const std::vector<JointColumns>& joints,
                           const std::string& run) {
   const size_t time = time_in(log);
@@ -172,25 +165,30 @@ void ServoImport::add_log(const SignalLog& log, const std::vector<JointColumns>&
   if (of_run.empty()) of_run = log.find({"episode_index"}) >= 0 ? "episode_index" : "run";
   const std::string of_joint =
       request_.name_of("joint").empty() ? "joint" : request_.name_of("joint");
-  const auto word = [&](const std::string& name, size_t row) {
+  const auto words_of = [&](const std::string& name) {
     const auto words = log.texts.find(name);
-    if (words != log.texts.end() && row < words->second.size()) return plain(words->second[row]);
-    const int at = log.find({name});
-    return at < 0 ? "" : exact(log.values[static_cast<size_t>(at)][row]);
+    return [&log, at = log.find({name}),
+            words = words == log.texts.end() ? nullptr : &words->second](size_t row) {
+      if (words != nullptr && row < words->size()) return csv_word((*words)[row]);
+      return at < 0 ? "" : exact(log.values[static_cast<size_t>(at)][row]);
+    };
   };
+  const auto run_in = words_of(of_run), joint_in = words_of(of_joint);
+  place_.clear();
+  for (const std::string& column : extra_) place_[column] = log.find(called_.at(column));
   for (const JointColumns& joint : joints) {
     // In the order in which they first appear.
     std::vector<std::pair<std::pair<std::string, std::string>, std::vector<size_t>>> parts;
     std::map<std::pair<std::string, std::string>, size_t> place;
     for (size_t row = 0; row < log.rows(); ++row) {
-      const std::pair key{word(of_run, row), word(of_joint, row)};
+      const std::pair key{run_in(row), joint_in(row)};
       const auto [found, is_new] = place.try_emplace(key, parts.size());
       if (is_new) parts.push_back({key, {}});
       parts[found->second].second.push_back(row);
     }
     for (const auto& [key, rows] : parts) {
       JointColumns one = joint;
-      one.joint = plain(key.second.empty() ? joint.joint : key.second);
+      one.joint = csv_word(key.second.empty() ? joint.joint : key.second);
       const std::string name = key.first.empty()  ? run
                                : logs_.size() > 1 ? run + "-" + key.first
                                                   : key.first;
@@ -311,10 +309,10 @@ void ServoImport::keep_others() {
       const bool ours = name.find('[') != std::string::npos || name.ends_with("_ctrl") ||
                         name.ends_with("_qpos") || name == "run" || name == "joint";
       if (!whole || ours || is_of_data_set(name) || taken_.contains(name) ||
-          called_.contains(plain(name)))
+          called_.contains(csv_word(name)))
         continue;
-      extra_.push_back(plain(name));
-      called_[plain(name)] = {name};
+      extra_.push_back(csv_word(name));
+      called_[csv_word(name)] = {name};
     }
   }
 }
@@ -327,7 +325,7 @@ void ServoImport::run() {
   keep_others();
   std::set<std::string> stems;
   for (size_t i = 0; i < logs_.size(); ++i) {
-    std::string stem = plain(found.runs[i]);
+    std::string stem = csv_word(found.runs[i]);
     if (!stems.insert(stem).second) stem = fmt::format("{}-{}", stem, i);
     add_log(logs_[i], joints_of_[i], stem);
   }

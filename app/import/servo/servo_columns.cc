@@ -242,11 +242,12 @@ void add_efforts(const ImportRequest& request, const SignalLog& log,
                  std::vector<JointColumns>& joints) {
   const std::string mapped = request.name_of("effort");
   const Names usual = mapped.empty() ? servo_names().efforts : Names{mapped};
+  const auto list = std::find_if(usual.begin(), usual.end(), [&](const std::string& name) {
+    return items_in(log, name) == joints.size();
+  });
   for (size_t i = 0; i < joints.size(); ++i) {
     int at = joints.size() == 1 ? log.find(usual) : -1;
-    for (const std::string& list : usual) {
-      if (at < 0 && items_in(log, list) == joints.size()) at = item_in(log, list, i);
-    }
+    if (at < 0 && list != usual.end()) at = item_in(log, *list, i);
     for (const std::string& end : effort_ends()) {
       if (at < 0 && mapped.empty()) at = log.find({joints[i].joint + end});
     }

@@ -61,6 +61,11 @@ void look_at_efforts(const ImportRequest& request, const SignalLog& log,
   }
   if (found) return;
   Names usual = servo_names().efforts;
+  for (const std::string& name : usual) {
+    if (log.find({name + "[0]"}) >= 0)
+      draft.warn(fmt::format("{}: column {} has not one number for each of {} joints: left out",
+                             log.file, name, joints.size()));
+  }
   for (const JointColumns& joint : joints) {
     for (const std::string& end : effort_ends()) usual.push_back(joint.joint + end);
   }

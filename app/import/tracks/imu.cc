@@ -215,8 +215,9 @@ void ImuImport::run() {
   size_t table = 0, number = 0;
   for (const auto& source : request_.sources) {
     ++number;
-    const std::string name =
-        request_.sources.size() == 1 ? "1" : fmt::format("{} {}", number, source.stem().string());
+    const std::string name = request_.sources.size() == 1
+                                 ? "1"
+                                 : fmt::format("{} {}", number, csv_word(source.stem().string()));
     if (is_ros_bag(source))
       read_bag(source, name);
     else

@@ -73,7 +73,7 @@ void WheelsImport::read_files() {
   for (const auto& source : request_.sources) tables.push_back(TextTable::read(source));
   check_columns_met(request_, tables);
   for (size_t i = 0; i < tables.size(); ++i) {
-    File file{.table = std::move(tables[i]), .stem = request_.sources[i].stem().string()};
+    File file{.table = std::move(tables[i]), .stem = csv_word(request_.sources[i].stem().string())};
     file.motion = motion_columns(file.table, request_);
     file.track = track_columns(file.table, of_poses_);
     of_wheels_ = of_wheels_ || file.motion.are_wheels();
@@ -152,7 +152,7 @@ void WheelsImport::read_rows(const File& file) {
     if (std::isnan(values[0] + values[1] + values[2])) continue;
     WheelRow one{.ns = time_in(table, row, c.time, unit),
                  .value = {values[0], values[1]},
-                 .run = c.run < 0 ? file.stem : std::string(table.cell(row, at(c.run))),
+                 .run = c.run < 0 ? file.stem : csv_word(std::string(table.cell(row, at(c.run)))),
                  .place = fmt::format("{}:{}", table.file(), table.line(row))};
     const bool begins = drive_.rows.empty() || one.run != drive_.rows.back().run;
     if (begins) {
