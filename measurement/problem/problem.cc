@@ -103,6 +103,7 @@ Score empty_score(const Facts& facts, const Evaluation& evaluation) {
 }
 
 void take_roots(Score& score) {
+  score.valid = score.valid && std::isfinite(score.chi2);
   for (size_t c = 0; c < score.native_sum2.size(); ++c) {
     const double n = static_cast<double>(score.native_count[c]);
     score.native.push_back(n > 0 ? std::sqrt(score.native_sum2[c] / n) : 0);

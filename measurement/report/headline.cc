@@ -143,6 +143,8 @@ double error_of_all(const Problem& problem, const Assessment& assessment) {
 
 std::string nothing_text(const Problem& problem, const Assessment& assessment, double material,
                          size_t traces) {
+  if (!std::isfinite(assessment.error))
+    return "What matters: the model predicts no finite number for some observations\n";
   const double of_all =
       assessment.error > kMisfit ? error_of_all(problem, assessment) : assessment.error;
   // A group that is held out may be met by no values that the others leave open.

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cmath>
+
 #include "effects/kind.h"
 #include "measurement/check/doubts.h"
 #include "measurement/report/curves/curves_told.h"
@@ -195,7 +197,7 @@ std::string compare_text(const Problem& problem, const CompareResult& result,
   const Assessment& base = result.base.assessment;
   const Notes notes = notes_of(problem, base.model);
   std::string text = first_lines(headline(problem, result), doubts);
-  if (!base.held.valid)
+  if (!base.held.valid && std::isfinite(base.error))
     text += fmt::format(
         "Some observations have no prediction with this model{}: the error below leaves them out; "
         "seam check --model MODEL names them.\n",

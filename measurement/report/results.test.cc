@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "measurement/kinds/kinds.h"
@@ -78,6 +79,8 @@ TEST(Headline, SaysWhereMoreGroupsAreNeeded) {
   EXPECT_NE(said(2, 3.57).find("more groups; all 3 together are met to"), std::string::npos);
   EXPECT_NE(said(-2, 3.57).find("nothing that was tested tells why"), std::string::npos);
   EXPECT_NE(said(2, 1).find("Nothing that matters"), std::string::npos);
+  for (const double none : {double{NAN}, double{INFINITY}})
+    EXPECT_NE(said(2, none).find("predicts no finite number"), std::string::npos);
 }
 
 }  // namespace
