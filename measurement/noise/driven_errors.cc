@@ -2,11 +2,18 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <stdexcept>
 
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {
 namespace {
+
+// Small enough to stand without memory of its own: a model has few effects that wander.
+constexpr int kMostWanders = 6;
+using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2 + kMostWanders, 1>;
+using Square =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 2 + kMostWanders, 2 + kMostWanders>;
 
 // Kalman's filter of the state and the wanders, and their covariance without any measurement.
 class Filter {
@@ -15,9 +22,9 @@ class Filter {
       : variance_(draw_sigma * draw_sigma),
         wanders_(wanders),
         size_(2 + static_cast<Eigen::Index>(wanders.size())),
-        mean_(Eigen::VectorXd::Zero(size_)),
-        known_(Eigen::MatrixXd::Zero(size_, size_)),
-        seen_(Eigen::VectorXd::Ones(size_)) {
+        mean_(Vector::Zero(size_)),
+        known_(Square::Zero(size_, size_)),
+        seen_(Vector::Ones(size_)) {
     seen_[1] = 0;
     for (size_t i = 0; i < wanders_.size(); ++i) {
       const auto at = 2 + static_cast<Eigen::Index>(i);
@@ -28,9 +35,9 @@ class Filter {
   }
 
   void move(const DrivenStep& step, double dt_s) {
-    Eigen::MatrixXd next = Eigen::MatrixXd::Zero(size_, size_);
+    Square next = Square::Zero(size_, size_);
     next.topLeftCorner<2, 2>() << step.q_of_q, step.q_of_w, step.w_of_q, step.w_of_w;
-    Eigen::MatrixXd added = Eigen::MatrixXd::Zero(size_, size_);
+    Square added = Square::Zero(size_, size_);
     const Eigen::Vector2d draw(step.q_of_draw, step.w_of_draw);
     const Eigen::Vector2d square(step.q_of_square, step.w_of_square);
     // The square of a normal draw has a mean, too, and is uncorrelated with the draw.
@@ -54,7 +61,7 @@ class Filter {
   double expected() const { return seen_.dot(mean_); }
 
   void learn(double residual, double whole_variance) {
-    const Eigen::VectorXd gain = known_ * seen_ / whole_variance;
+    const Vector gain = known_ * seen_ / whole_variance;
     mean_ += gain * (residual - expected());
     known_ -= gain * (seen_.transpose() * known_).eval();
     known_ = 0.5 * (known_ + known_.transpose()).eval();
@@ -64,9 +71,9 @@ class Filter {
   double variance_;
   const std::vector<effects::Wander>& wanders_;
   Eigen::Index size_;
-  Eigen::VectorXd mean_;
-  Eigen::MatrixXd known_, alone_;
-  Eigen::VectorXd seen_;  // What a residual has of each.
+  Vector mean_;
+  Square known_, alone_;
+  Vector seen_;  // What a residual has of each.
 };
 
 }  // namespace
@@ -75,6 +82,8 @@ void whiten_driven(const Facts& facts, const std::vector<size_t>& scalars,
                    const std::vector<double>& time_s, const std::vector<DrivenStep>& steps,
                    const DrivenStart& start, double draw_sigma,
                    const std::vector<effects::Wander>& wanders, Evaluation& evaluation) {
+  if (wanders.size() > kMostWanders)
+    throw std::length_error("more errors that wander than are whitened beside a driven one");
   Filter filter(start, draw_sigma, wanders);
   for (size_t k = 0; k < scalars.size(); ++k) {
     if (k > 0) filter.move(steps[k - 1], time_s[k] - time_s[k - 1]);

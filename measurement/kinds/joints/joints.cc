@@ -178,7 +178,7 @@ void JointsProblem::evaluate_logs(const Model& model, const Groups& groups, doub
       },
       /*worth_threads=*/motor);
   for (const size_t i : used) evaluation.nuisances += unknowns_of_start(model, set_.logs[i]);
-  if (motor) evaluation.reusable = std::make_shared<char>();
+  if (motor) evaluation.reusable = starts ? warm->reusable : std::make_shared<const LateSteps>();
   if (has_efforts()) predict_efforts(model, groups, drive_of_row, evaluation);
 }
 

@@ -182,21 +182,14 @@ std::string why_late_commands_hide(const Model& model) {
                  : "";
 }
 
-// Of an elastic joint angle and rate are not the whole state: there the time of commands shows
-// nothing. Where a log starts was fitted as if all errors were white: among these it is one of the
-// states, measured by the first row, and known near there.
-void JointsProblem::whiten_late_commands(const Model& model, const effects::Noise& noise,
-                                         const Groups& groups, Evaluation& evaluation) const {
-  if (effects::servo_of(model).elastic.present()) return;
+JointsProblem::LateSteps JointsProblem::late_steps(const Model& model,
+                                                   const std::vector<size_t>& used,
+                                                   const Evaluation& here) const {
   const double noise_rad = facts_.channels[0].noise;
-  std::vector<size_t> used;
-  for (size_t i = 0; i < set_.logs.size(); ++i) {
-    if (groups[facts_.group_of_row[set_.logs[i].rows[0]]]) used.push_back(i);
-  }
-  std::vector<std::shared_ptr<const std::vector<DrivenStep>>> steps(used.size());
+  LateSteps steps(used.size());
   parallel_for(used.size(), [&](size_t at) {
     const JointLog& log = set_.logs[used[at]];
-    const double* start = &evaluation.nuisance_values.at(kStartValues * at);
+    const double* start = &here.nuisance_values.at(kStartValues * at);
     Values key = mean_parameters(model);
     key.insert(key.end(), {start[0], start[1]});
     steps[at] = late_steps_->of(used[at], key, [&] {
@@ -210,12 +203,32 @@ void JointsProblem::whiten_late_commands(const Model& model, const effects::Nois
       return made;
     });
   });
+  return steps;
+}
+
+// Of an elastic joint angle and rate are not the whole state: there the time of commands shows
+// nothing. Where a log starts was fitted as if all errors were white: among these it is one of the
+// states, measured by the first row, and known near there.
+void JointsProblem::whiten_late_commands(const Model& model, const effects::Noise& noise,
+                                         const Groups& groups, Evaluation& evaluation) const {
+  if (effects::servo_of(model).elastic.present()) return;
+  const double noise_rad = facts_.channels[0].noise;
+  std::vector<size_t> used;
+  for (size_t i = 0; i < set_.logs.size(); ++i) {
+    if (groups[facts_.group_of_row[set_.logs[i].rows[0]]]) used.push_back(i);
+  }
+  // What a command's time makes of a motor's angle takes six times what the angle does: as the
+  // starts of logs, it is that of a fit's last look.
+  auto steps = std::static_pointer_cast<const LateSteps>(evaluation.reusable);
+  if (!steps || steps->empty())
+    steps = std::make_shared<const LateSteps>(late_steps(model, used, evaluation));
+  if (evaluation.reusable) evaluation.reusable = steps;
   for (size_t at = 0; at < used.size(); ++at) {
     const JointLog& log = set_.logs[used[at]];
     const double* start = &evaluation.nuisance_values.at(kStartValues * at);
     const DrivenStart off{-start[0], kFarthestStart * kFarthestStart * noise_rad * noise_rad};
-    whiten_driven(facts_, log.rows, log.time_s, *steps[at], off, noise.command_sigma_s, noise.joint,
-                  evaluation);
+    whiten_driven(facts_, log.rows, log.time_s, *(*steps)[at], off, noise.command_sigma_s,
+                  noise.joint, evaluation);
     // In place of how often over the rows tell the start.
     evaluation.log_det[facts_.group_of(log.rows[0])] -= start[2] + 2 * std::log(kFarthestStart);
   }
