@@ -74,8 +74,8 @@ class Look {
         effects_(effects),
         order_(dearest_first(effects)),
         material_(material),
-        promising_only_(problem.is_smooth(base.assessment.model) &&
-                        (promising_only || problem.screening_groups())),
+        waits_(promising_only || problem.screening_groups()),
+        promising_only_(waits_ && problem.is_smooth(base.assessment.model)),
         few_(asked == Asked::few_first ? foretasters(problem, base.assessment.model, material)
                                        : std::nullopt),
         prospects_(effects.size()),
@@ -93,8 +93,8 @@ class Look {
     for (int sort = 0; sort < kSorts; ++sort) {
       // Single large errors are told by no model that explains nothing.
       const bool useless = sort == kSorts - 1 && base_.assessment.error > kUseless;
-      if ((promising_only_ || useless) && any_helps()) {
-        looks_.shortened = looks_.shortened || promising_only_;
+      if ((waits_ || useless) && any_helps()) {
+        looks_.shortened = looks_.shortened || waits_;
         break;
       }
       for_all_effects("fitted effects", [&](size_t i) {
@@ -154,9 +154,11 @@ class Look {
     if (found_[i]) judge(problem_, base_, here_, looks_.tried, material_, *found_[i]);
   }
 
+  // Far from the noise what helps at all: there nothing else is a matter of noise.
   bool any_helps() const {
-    return std::any_of(found_.begin(), found_.end(), [](const auto& c) {
-      return c && c->significant && c->held_z > kClearGain && !only_widens(*c->effect);
+    const double least = base_.assessment.error > kUseless ? 0 : kClearGain;
+    return std::any_of(found_.begin(), found_.end(), [&](const auto& c) {
+      return c && c->significant && c->held_z > least && !only_widens(*c->effect);
     });
   }
 
@@ -174,7 +176,8 @@ class Look {
   const EffectList& effects_;
   const std::vector<size_t> order_;
   const double material_;
-  const bool promising_only_;
+  const bool waits_;           // Another look will come.
+  const bool promising_only_;  // A score test can tell what is worth a fit.
   const std::optional<FewRows> few_;
   std::vector<std::optional<Prospect>> prospects_;
   std::vector<std::vector<NotTestable>> reasons_;
