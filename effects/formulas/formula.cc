@@ -150,6 +150,15 @@ struct Compiled {
   }
 };
 
+// This thread's of a formula.
+Compiled& compiled_here(uint64_t id, const std::string& text,
+                        const std::vector<std::string>& variables, Names names) {
+  thread_local std::map<uint64_t, Compiled> compiled;
+  auto found = compiled.find(id);
+  if (found == compiled.end()) found = compiled.try_emplace(id, text, variables, names).first;
+  return found->second;
+}
+
 std::atomic<uint64_t> next_id{1};
 
 bool is_of_word(char c) {
@@ -232,22 +241,19 @@ Formula::Formula(const std::string& text, std::vector<std::string> variables, Na
   const std::vector<double> ones(variables_.size(), 1);
   (*this)(ones);
   // Of several formulas with commas between the parser takes the last: "0,5 * x" would be 5 * x.
-  const Compiled alone(text_, variables_, names_);
-  alone.parser->Eval();
-  if (const int count = alone.parser->GetNumResults(); count != 1)
+  const int count = compiled_here(id_, text_, variables_, names_).parser->GetNumResults();
+  if (count != 1)
     throw InputError(fmt::format(
         "formula '{}': found {} formulas with commas between, expected one (a decimal has a point)",
         shortened(text_), count));
 }
 
 double Formula::operator()(std::span<const double> values) const {
-  thread_local std::map<uint64_t, Compiled> compiled;
-  auto found = compiled.find(id_);
   try {
-    if (found == compiled.end()) found = compiled.try_emplace(id_, text_, variables_, names_).first;
+    Compiled& compiled = compiled_here(id_, text_, variables_, names_);
     SEAM_CHECK(values.size() == variables_.size(), "{} for {}", values.size(), variables_.size());
-    std::copy(values.begin(), values.end(), found->second.values.begin());
-    return found->second.parser->Eval();
+    std::copy(values.begin(), values.end(), compiled.values.begin());
+    return compiled.parser->Eval();
   } catch (const mu::Parser::exception_type& error) {
     fail(text_, error);
   }

@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 
+#include <fstream>
 #include <set>
 
 #include "app/data_file.h"
@@ -142,6 +143,16 @@ void add_named_files(const ConfigNode& node, const std::filesystem::path& folder
   }
 }
 
+// Its header says so: tables of a hundred thousand rows are not read for this.
+bool names_pictures(const std::filesystem::path& table) {
+  std::error_code is_none;
+  if (!is_regular_file(table, is_none)) return false;
+  std::ifstream in(table);
+  std::string header;
+  std::getline(in, header);
+  return measurement::CsvTable::from_text(header + "\n", table.filename().string()).has("file");
+}
+
 }  // namespace
 
 std::vector<std::filesystem::path> files_of_set(const std::string& folder) {
@@ -150,10 +161,9 @@ std::vector<std::filesystem::path> files_of_set(const std::string& folder) {
     const auto set = measurement::MeasurementSet::open(folder);
     add_named_files(set.root, set.folder, files);
     for (const auto& [name, file] : set.files) {
-      if (!std::string_view(file).ends_with(".csv")) continue;
-      const measurement::CsvTable table = set.table(name);
-      if (!table.has("file")) continue;
-      for (const std::string& picture : table.texts("file")) files.push_back(set.folder / picture);
+      if (!std::string_view(file).ends_with(".csv") || !names_pictures(set.folder / file)) continue;
+      for (const std::string& picture : set.table(name).texts("file"))
+        files.push_back(set.folder / picture);
     }
   } catch (const std::exception&) {
   }

@@ -254,17 +254,16 @@ void ServoImport::look_at_words() {
 
 // What a model reads beside the angles.
 void ServoImport::keep_ours() {
-  const auto keep = [&](const std::string& ours, const std::string& quantity, Names usual,
+  const auto keep = [&](const std::string& ours, const std::string& quantity, const Names& usual,
                         const SignalLog& log) {
-    const std::string mapped = request_.name_of(quantity);
-    if (!mapped.empty()) usual = {mapped};
-    const bool constant = std::any_of(usual.begin(), usual.end(), [&](const std::string& name) {
+    const Names names = names_of(request_, quantity, usual);
+    const bool constant = std::any_of(names.begin(), names.end(), [&](const std::string& name) {
       return log.constants.contains(name);
     });
-    if (log.find(usual) < 0 && !constant) return;
+    if (log.find(names) < 0 && !constant) return;
     if (!called_.contains(ours)) extra_.push_back(ours);
-    called_[ours] = usual;
-    taken_.insert(usual.begin(), usual.end());
+    called_[ours] = names;
+    taken_.insert(names.begin(), names.end());
   };
   for (const SignalLog& log : logs_) {
     keep("kp", "kp", servo_names().gains, log);
@@ -273,11 +272,8 @@ void ServoImport::keep_ours() {
   }
   for (const auto& [ours, quantity] :
        {std::pair("kp", "kp"), {"voltage_v", "voltage"}, {kEnabled, kEnabled}}) {
-    const std::string mapped = request_.name_of(quantity);
-    if (!mapped.empty() && !called_.contains(ours))
-      throw InputError(fmt::format("{}: signal '{}' (--map {}=...) is missing{}",
-                                   logs_.front().file, mapped, quantity,
-                                   suggestion_for(mapped, logs_.front().names)));
+    if (!request_.name_of(quantity).empty() && !called_.contains(ours))
+      fail_missing(request_, logs_.front(), quantity);
   }
   if (request_.off_where && !called_.contains(kEnabled)) {
     extra_.emplace_back(kEnabled);

@@ -30,10 +30,8 @@ size_t items_in(const SignalLog& log, const std::string& list) {
 
 // position[0], position[1], ... beside goal_position[0], goal_position[1], ...
 std::vector<JointColumns> numbered_joints(const ImportRequest& request, const SignalLog& log) {
-  const auto first = [&](const std::string& quantity, Names usual) {
-    const std::string mapped = request.name_of(quantity);
-    if (!mapped.empty()) usual = {mapped};
-    for (const std::string& name : usual) {
+  const auto first = [&](const std::string& quantity, const Names& usual) {
+    for (const std::string& name : names_of(request, quantity, usual)) {
       if (item_in(log, name, 0) >= 0) return name;
     }
     return std::string();
@@ -193,14 +191,22 @@ const Names& effort_ends() {
   return ends;
 }
 
+Names names_of(const ImportRequest& request, const std::string& quantity, const Names& usual) {
+  const std::string mapped = request.name_of(quantity);
+  return mapped.empty() ? usual : Names{mapped};
+}
+
+void fail_missing(const ImportRequest& request, const SignalLog& log, const std::string& quantity) {
+  const std::string mapped = request.name_of(quantity);
+  throw InputError(fmt::format("{}: signal '{}' (--map {}=...) is missing{}", log.file, mapped,
+                               quantity, suggestion_for(mapped, log.names)));
+}
+
 size_t servo_signal(const ImportRequest& request, const SignalLog& log, const std::string& quantity,
                     const Names& usual) {
-  const std::string mapped = request.name_of(quantity);
-  const int found = log.find(mapped.empty() ? usual : Names{mapped});
+  const int found = log.find(names_of(request, quantity, usual));
   if (found >= 0) return static_cast<size_t>(found);
-  if (!mapped.empty())
-    throw InputError(fmt::format("{}: signal '{}' (--map {}=...) is missing{}", log.file, mapped,
-                                 quantity, suggestion_for(mapped, log.names)));
+  if (!request.name_of(quantity).empty()) fail_missing(request, log, quantity);
   throw InputError(fmt::format("{}: found no signal for '{}' among {}; say which, --map {}=NAME",
                                log.file, quantity, fmt::join(log.names, ", "), quantity));
 }
@@ -241,7 +247,7 @@ namespace {
 void add_efforts(const ImportRequest& request, const SignalLog& log,
                  std::vector<JointColumns>& joints) {
   const std::string mapped = request.name_of("effort");
-  const Names usual = mapped.empty() ? servo_names().efforts : Names{mapped};
+  const Names usual = names_of(request, "effort", servo_names().efforts);
   const auto list = std::find_if(usual.begin(), usual.end(), [&](const std::string& name) {
     return items_in(log, name) == joints.size();
   });

@@ -15,6 +15,12 @@ struct ServoNames {
   std::vector<std::string> times, commands, measured, efforts, voltages, gains, enabled;
 };
 const ServoNames& servo_names();
+// The user's name of a quantity, else the usual ones.
+std::vector<std::string> names_of(const ImportRequest& request, const std::string& quantity,
+                                  const std::vector<std::string>& usual);
+// Throws InputError: the signal that the user maps to a quantity is not in the log.
+[[noreturn]] void fail_missing(const ImportRequest& request, const SignalLog& log,
+                               const std::string& quantity);
 // What stands behind a joint's name where the column is its torque.
 const std::vector<std::string>& effort_ends();
 

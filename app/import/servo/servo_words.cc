@@ -28,13 +28,12 @@ std::string without_numbers(const SignalLog& log, const std::string& name) {
 
 void look_for_words(const ImportRequest& request, const SignalLog& log, const std::string& quantity,
                     const Names& usual, SetDraft& draft) {
-  const std::string mapped = request.name_of(quantity);
-  const Names names = mapped.empty() ? usual : Names{mapped};
+  const Names names = names_of(request, quantity, usual);
   if (const int at = log.find(names); at >= 0)
     return refuse_word(log, log.names[static_cast<size_t>(at)]);
   const std::string words = log.find_words(names);
   if (words.empty()) return;
-  if (!mapped.empty())
+  if (!request.name_of(quantity).empty())
     throw InputError(without_numbers(log, words) + fmt::format(" (--map {}=...)", quantity));
   draft.warn(without_numbers(log, words) + ": left out");
 }

@@ -135,6 +135,14 @@ void JointsProblem::add_covariates() {
   }
 }
 
+std::vector<size_t> JointsProblem::used_logs(const Groups& groups) const {
+  std::vector<size_t> used;
+  for (size_t i = 0; i < set_.logs.size(); ++i) {
+    if (groups[facts_.group_of_row[set_.logs[i].rows[0]]]) used.push_back(i);
+  }
+  return used;
+}
+
 // Residuals of the logs, each from the start that fits it best.
 void JointsProblem::evaluate_logs(const Model& model, const Groups& groups, double sigma_rad,
                                   const Evaluation* warm, Evaluation& evaluation) const {
@@ -145,10 +153,7 @@ void JointsProblem::evaluate_logs(const Model& model, const Groups& groups, doub
   // Rows that are left out do not tell where a log starts.
   std::vector<double> key = evaluation.mean_key;
   key.push_back(static_cast<double>(times_marked()));
-  std::vector<size_t> used;
-  for (size_t i = 0; i < set_.logs.size(); ++i) {
-    if (groups[facts_.group_of_row[set_.logs[i].rows[0]]]) used.push_back(i);
-  }
+  const std::vector<size_t> used = used_logs(groups);
   evaluation.nuisance_values.resize(kStartValues * used.size());
   std::vector<double> drive_of_row(has_efforts() ? facts_.rows() : 0, 0);
   // Rules without torque take less than a thread does.

@@ -224,6 +224,7 @@ class JointsProblem : public Problem {
   std::vector<double> out_of_neighbours(const Evaluation& evaluation) const;
   // Errors that wander, and those of commands that act early or late.
   void whiten_wander(const Model& model, const Groups& groups, Evaluation& evaluation) const;
+  std::vector<size_t> used_logs(const Groups& groups) const;
   // By used log.
   using LateSteps = std::vector<std::shared_ptr<const std::vector<DrivenStep>>>;
   LateSteps late_steps(const Model& model, const std::vector<size_t>& used,

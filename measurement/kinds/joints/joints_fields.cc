@@ -213,10 +213,7 @@ void JointsProblem::whiten_late_commands(const Model& model, const effects::Nois
                                          const Groups& groups, Evaluation& evaluation) const {
   if (effects::servo_of(model).elastic.present()) return;
   const double noise_rad = facts_.channels[0].noise;
-  std::vector<size_t> used;
-  for (size_t i = 0; i < set_.logs.size(); ++i) {
-    if (groups[facts_.group_of_row[set_.logs[i].rows[0]]]) used.push_back(i);
-  }
+  const std::vector<size_t> used = used_logs(groups);
   // What a command's time makes of a motor's angle takes six times what the angle does: as the
   // starts of logs, it is that of a fit's last look.
   auto steps = std::static_pointer_cast<const LateSteps>(evaluation.reusable);
