@@ -15,6 +15,8 @@ namespace {
 
 constexpr uint64_t kMaxConfigBytes = 16 << 20;
 constexpr int kMaxDepth = 64;
+constexpr int kMaxUnfoldedDepth = 4 * kMaxDepth;  // Brackets, dashes and indentation may add up.
+constexpr size_t kMostByAliases = 100'000;        // Values beyond those that are written.
 // Of a map: yaml-cpp looks through all keys for each one.
 constexpr size_t kMostKeys = 5000;
 
@@ -54,6 +56,22 @@ void refuse_hostile_nesting(const std::string& text, const std::string& name) {
     if (flow_depth > kMaxDepth || dashes > kMaxDepth || indent > 8 * kMaxDepth) {
       throw InputError(fmt::format("{}:{}: nested deeper than {} levels", name, line, kMaxDepth));
     }
+  }
+}
+
+// Aliases let a few lines stand for billions of values, and for themselves.
+void refuse_hostile_aliases(const YAML::Node& node, const std::string& name, int depth,
+                            size_t& left) {
+  if (depth > kMaxUnfoldedDepth)
+    throw InputError(fmt::format("{}:{}: nested deeper than {} levels, by aliases", name,
+                                 node.Mark().line + 1, kMaxUnfoldedDepth));
+  if (left-- == 0)
+    throw InputError(fmt::format("{}:{}: aliases unfold to more values than a file may have", name,
+                                 node.Mark().line + 1));
+  if (!node.IsMap() && !node.IsSequence()) return;
+  for (const auto& item : node) {
+    if (node.IsMap()) refuse_hostile_aliases(item.first, name, depth + 1, left);
+    refuse_hostile_aliases(node.IsMap() ? item.second : item, name, depth + 1, left);
   }
 }
 
@@ -127,7 +145,11 @@ ConfigNode ConfigNode::parsed(const std::string& text, const std::string& name, 
   refuse_hostile_nesting(text, name);
   refuse_second_document(text, name);
   try {
-    ConfigNode root(YAML::Load(text), name, "", 1, has_lines);
+    const YAML::Node node = YAML::Load(text);
+    // Without them no file has more values than characters.
+    size_t values = text.size() + kMostByAliases;
+    if (text.find('*') != std::string::npos) refuse_hostile_aliases(node, name, 0, values);
+    ConfigNode root(node, name, "", 1, has_lines);
     if (!root.node_->IsDefined() || root.node_->IsNull()) root.fail("the file is empty");
     return root;
   } catch (const YAML::Exception& error) {

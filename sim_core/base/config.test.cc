@@ -1,5 +1,7 @@
 #include "sim_core/base/config.h"
 
+#include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -59,6 +61,18 @@ TEST(Config, HostileNestingIsRefused) {
   std::string dashes;
   for (int i = 0; i < 100000; ++i) dashes += "- ";
   EXPECT_NE(error_of(dashes + "1", [](const auto&) {}).find("nested deeper"), std::string::npos);
+}
+
+TEST(Config, HostileAliasesAreRefused) {
+  std::string bomb = "a0: &a0 [x, x, x, x, x, x, x, x, x]\n";
+  for (int i = 1; i < 12; ++i) {
+    const std::string before = fmt::format("*a{}", i - 1);
+    bomb += fmt::format("a{0}: &a{0} [{1}, {1}, {1}, {1}, {1}, {1}]\n", i, before);
+  }
+  EXPECT_THAT(error_of(bomb, [](const auto&) {}), testing::HasSubstr("aliases unfold to more"));
+  EXPECT_THAT(error_of("a: &a [1, *a]\n", [](const auto&) {}), testing::HasSubstr("by aliases"));
+  EXPECT_EQ(error_of("a: &a {b: 1}\nc: *a\n", [](const auto& root) { root.at("c").at("b"); }),
+            "no error");
 }
 
 TEST(Config, MapsOfManyKeysAreRefusedBeforeOneIsLookedUp) {
