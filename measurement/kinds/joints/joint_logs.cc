@@ -162,6 +162,50 @@ struct FormulaColumns {
 
 }  // namespace
 
+std::string pause_too_long(const CsvTable& table, const JointLogs& set) {
+  constexpr double kLongestPause_s = 60;
+  constexpr double kMean_s = 1;  // No motor is seen in rows farther apart.
+  double longest_s = 0, all_s = 0, count = 0;
+  size_t at = 0, pauses = 0;
+  for (const JointLog& log : set.logs) {
+    for (size_t k = 1; k < log.rows.size(); ++k) {
+      const double step_s = log.time_s[k] - log.time_s[k - 1];
+      all_s += step_s, ++count;
+      if (step_s > kLongestPause_s && pauses++ == 0) at = log.rows[k];
+      longest_s = std::max(longest_s, step_s);
+    }
+  }
+  if (pauses > 0)
+    return fmt::format(
+        "{}:{}: rows of one run are up to {:.4g} s apart ({} times more than {:g} s, here first), "
+        "expected at most {:g} s: begin a new run after each pause",
+        table.file(), table.line(at), longest_s, pauses, kLongestPause_s, kLongestPause_s);
+  if (all_s > kMean_s * count)
+    return fmt::format(
+        "{}: rows of a run are {:.4g} s apart in the mean, expected at most {:g} s (are the times "
+        "seconds?)",
+        table.file(), all_s / count, kMean_s);
+  return "";
+}
+
+bool moves_by_itself(const EffectDefinition& effect) {
+  if (!effect.servo) return false;
+  std::vector<double> values;
+  for (const effects::Parameter& parameter : effect.parameters) values.push_back(parameter.scale);
+  effects::ServoModel servo;
+  effect.servo(values, servo);
+  return servo.torque.present || servo.elastic.present();
+}
+
+void expect_no_pause(const std::string& pause, const Model& model) {
+  if (pause.empty()) return;
+  for (const effects::ModelEffect& effect : model.effects()) {
+    if (moves_by_itself(*effect.definition))
+      throw InputError(fmt::format("{} (the model's effect '{}' moves the joint all that time)",
+                                   pause, effect.definition->name));
+  }
+}
+
 std::vector<std::string> notes_of_joint_logs(const CsvTable& table) {
   std::vector<std::string> notes;
   if (table.has("torque_enable")) {

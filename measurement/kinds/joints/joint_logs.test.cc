@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 
+#include "effects/registry.h"
 #include "measurement/kinds/joints/joints.h"
 #include "measurement/kinds/joints/joints_testing.h"
 #include "sim_core/base/error.h"
@@ -272,6 +273,80 @@ TEST(JointLogs, TheScatterOfCommandsHasItsSize) {
   const Fit fit = fitted_to_all(problem, start);
   EXPECT_NEAR(fit.value[0], 0.0015, 3.5 * fit.sigma[0]);
   EXPECT_LT(fit.sigma[0], 0.0005);
+}
+
+// Logs with pauses: no motor is followed through hours of them.
+const std::string kDriven = "  motor_servo: {stall_rad_per_s2: 300, back_emf_per_s: 20, gain: 4}\n";
+const std::string kOnASpring = "  servo_lag: {tau_s: 0.02}\n  elastic_joint: {period_s: 0.1}\n";
+const std::string kLagging = "  servo_lag: {tau_s: 0.02}\n";
+
+// Two runs whose rows stand at these times.
+std::filesystem::path paused_set(const std::string& name,
+                                 const std::function<double(int)>& time_s) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / name;
+  std::filesystem::create_directories(folder);
+  std::string rows = "run,time_s,joint,command_rad,measured_rad\n";
+  for (const char* run : {"a", "b"}) {
+    for (int k = 0; k < 60; ++k)
+      rows += fmt::format("{},{:.3f},arm,{:.4f},{:.4f}\n", run, time_s(k), 0.5 * std::sin(0.2 * k),
+                          0.48 * std::sin(0.2 * k - 0.1));
+  }
+  write_file_atomically(folder / "joints.csv", rows);
+  write_file_atomically(folder / "measurement.yaml",
+                        "format: seam-measurement/1\nkind: joints\nfiles: {joints: joints.csv}\n");
+  return folder;
+}
+
+double after_hours(int k) {
+  return 0.01 * k + (k < 30 ? 0 : 1e4);
+}
+
+void expect_refused(const std::filesystem::path& folder, const std::string& place) {
+  const MeasurementSet set = MeasurementSet::open(folder);
+  const JointsProblem problem(set);
+  for (const std::string& moving : {kDriven, kOnASpring}) {
+    const auto told = testing::ThrowsMessage<InputError>(
+        testing::AllOf(testing::HasSubstr(place), testing::HasSubstr("expected at most"),
+                       testing::HasSubstr("moves the joint all that time")));
+    EXPECT_THAT([&] { problem.check_model(model_of(moving)); }, told);
+    const MeasureOptions options{.out = folder / "made"};
+    EXPECT_THAT([&] { measure_joints(model_of(moving), set, options); }, told);
+  }
+  EXPECT_NO_THROW(problem.check_model(model_of(kLagging)));
+  const Model lag = model_of(kLagging);
+  for (const char* name : {"motor_servo", "elastic_joint"})
+    EXPECT_THAT(problem.not_testable(lag, *effects::find_effect(name), 0),
+                testing::HasSubstr(place));
+  EXPECT_EQ(problem.not_testable(lag, *effects::find_effect("speed_limit"), 0), "");
+}
+
+TEST(Pauses, OfHoursAreNoRunOfAMotor) {
+  expect_refused(paused_set("pause_of_hours", after_hours),
+                 "joints.csv:32: rows of one run are up to");
+}
+
+TEST(Pauses, RowsThatAreAllFarApartShowNoMotor) {
+  expect_refused(paused_set("rows_far_apart", [](int k) { return 50.0 * k; }),
+                 "joints.csv: rows of a run are 50 s apart in the mean");
+}
+
+TEST(Pauses, NoSetIsMadeOfAMotorThatCannotBeFollowed) {
+  const auto folder = paused_set("too_stiff", [](int k) { return 0.01 * k + (k < 30 ? 0 : 40); });
+  const std::string swinging = "  motor_servo: {stall_rad_per_s2: 1e6, gain: 1e5}\n";
+  EXPECT_THAT(
+      [&] {
+        measure_joints(model_of(swinging), MeasurementSet::open(folder), {.out = folder / "made"});
+      },
+      testing::ThrowsMessage<InputError>(testing::HasSubstr("joints.csv:")));
+  EXPECT_FALSE(std::filesystem::exists(folder / "made"));
+}
+
+TEST(Pauses, OfSecondsAreFollowed) {
+  const auto folder =
+      paused_set("pause_of_seconds", [](int k) { return 0.01 * k + (k < 30 ? 0 : 20); });
+  const JointsProblem problem(MeasurementSet::open(folder));
+  EXPECT_NO_THROW(problem.check_model(model_of(kDriven)));
+  EXPECT_EQ(problem.not_testable(model_of(kLagging), *effects::find_effect("motor_servo"), 0), "");
 }
 
 }  // namespace

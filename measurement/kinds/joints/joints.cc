@@ -45,6 +45,7 @@ JointsProblem::JointsProblem(const MeasurementSet& set) {
   if (table.rows() == 0)
     throw InputError(fmt::format("{}: no rows, expected observations", table.file()));
   set_ = read_joint_logs(table, set.group, true);
+  pause_ = pause_too_long(table, set_);
   predictions_.emplace(set_.logs.size());
   late_steps_.emplace(set_.logs.size());
   describe(set, table);
@@ -294,6 +295,7 @@ bool JointsProblem::is_smooth(const Model& model) const {
 }
 
 void JointsProblem::check_model(const Model& model) const {
+  expect_no_pause(pause_, model);
   for (const auto& effect : model.effects()) {
     for (const std::string& column : effect.definition->columns) {
       const auto& known = set_.column_names;
@@ -303,6 +305,12 @@ void JointsProblem::check_model(const Model& model) const {
                                    suggestion_for(column, known)));
     }
   }
+}
+
+std::string JointsProblem::not_testable(const Model& model, const EffectDefinition& effect,
+                                        size_t parameter) const {
+  if (!pause_.empty() && moves_by_itself(effect)) return pause_;
+  return Problem::not_testable(model, effect, parameter);
 }
 
 std::vector<effects::Lack> JointsProblem::lacks() const {

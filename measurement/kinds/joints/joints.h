@@ -47,6 +47,15 @@ struct JointLogs {
 // Reads and checks joints.csv. `measured` false: a protocol, measured_rad is not read.
 JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column, bool measured);
 
+// Whatever has a motion of its own (a motor, a load on a spring) is followed through all the time
+// between two rows, in steps of milliseconds: rows hours apart would take hours, and say nothing.
+// Where rows are too far apart for that: file, line, how far, and what was expected; else empty.
+std::string pause_too_long(const CsvTable& table, const JointLogs& set);
+// Whether the effect gives a joint a motion of its own.
+bool moves_by_itself(const EffectDefinition& effect);
+// Throws InputError where the model has such an effect and the logs have such a pause.
+void expect_no_pause(const std::string& pause, const Model& model);
+
 // What a servo's log lacks that a motor's model would read: sentences that name file, line and
 // column.
 std::vector<std::string> notes_of_joint_logs(const CsvTable& table);
@@ -113,6 +122,8 @@ class JointsProblem : public Problem {
                                                    const EffectList& companions) const override;
   double looks(const Model& model, const EffectDefinition& effect) const override;
   void check_model(const Model& model) const override;
+  std::string not_testable(const Model& model, const EffectDefinition& effect,
+                           size_t parameter) const override;
   // A motor's motion is; rules of kinematics jump.
   bool is_smooth(const Model& model) const override;
   std::vector<std::string> formula_columns() const override { return set_.column_names; }
@@ -252,6 +263,7 @@ class JointsProblem : public Problem {
                                 const Evaluation& there) const;
 
   JointLogs set_;
+  std::string pause_;               // Why none of these logs shows a motor; empty: they do.
   bool efforts_read_ = false;       // The model given predicts them.
   std::vector<double> efforts_nm_;  // By row, NaN where blank; empty: none are measured.
   // Scalars of angles are numbered as the rows, those of torques follow. By row, -1: none.

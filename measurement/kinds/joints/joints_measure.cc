@@ -7,6 +7,7 @@
 #include "measurement/kinds/joints/joints.h"
 #include "measurement/kinds/joints/torque/effort.h"
 #include "measurement/noise/draw.h"
+#include "sim_core/base/error.h"
 #include "sim_core/base/random.h"
 
 namespace seam::measurement {
@@ -61,6 +62,7 @@ void measure_joints(const Model& truth, const MeasurementSet& protocol,
                     const MeasureOptions& options) {
   const CsvTable table = protocol.table("joints");
   const JointLogs set = read_joint_logs(table, protocol.group, false);
+  expect_no_pause(pause_too_long(table, set), truth);
   effects::JointTrack track;
   effects::apply_encoder_effects(truth, track);
   const double step = track.quantisation_step_rad, sigma = protocol.noise_of("measured_rad");
@@ -87,6 +89,11 @@ void measure_joints(const Model& truth, const MeasurementSet& protocol,
                  random.child("wander").child(w).child(log.rows.front()), wander);
     for (size_t k = 0; k < angles.size(); ++k) {
       double angle = angles[k];
+      if (!std::isfinite(angle))
+        throw InputError(fmt::format(
+            "{}:{}: the model gives joint {} no angle here: a motor that is stiffer, or swings "
+            "faster, than can be followed from row to row",
+            table.file(), table.line(log.rows[k]), log.joint));
       if (options.noise) angle += wander[k] + sigma * normal(random, log.rows[k]);
       if (step > 0) angle = step * std::round(angle / step);
       measured[log.rows[k]] = angle;
