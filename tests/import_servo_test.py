@@ -53,6 +53,27 @@ def test_reversed(folder):
     refused("servo", two, "--reverse", "lfit", out=folder / "none", words=["'lfit'", "did you mean 'lift'", "arm, lift"])
 
 
+def test_stamps_with_their_unit(folder):
+    t, command, measured = servo_log()
+    log = table(folder / "stamps.csv", "stamp_ms,goal,angle", 1000 * t, command, measured)
+    said = imported("servo", log, "--unit", "rad", out=folder / "stamps")
+    assert "rad to rad" not in said, said
+    assert np.allclose(column(folder / "stamps", "time_s"), t, atol=1e-6)
+    # A pause is said with few digits, and no motor is followed through hours of it.
+    t[200:] += 1e4
+    log = table(folder / "pause.csv", "stamp_ms,goal,angle", 1000 * t, command, measured)
+    said = imported("servo", log, "--unit", "rad", out=folder / "pause")
+    assert "pause.csv:202: the clock jumps by 10000 s where 0.01 s are usual" in said, said
+    motor = folder / "motor.yaml"
+    motor.write_text("format: seam-model/1\neffects:\n  motor_servo: {stall_rad_per_s2: 300, back_emf_per_s: 20, gain: 4}\n")
+    data, made = folder / "pause", folder / "made"
+    for words in (("compare", "--data", data), ("diagnose", "--data", data), ("discover", "--data", data, "--out", made),
+                  ("plan", "--protocol", data), ("measure", "--protocol", data, "--out", made)):
+        said = run(*words, "--model", motor, code=1)
+        assert "joints.csv:202: rows of one run are up to 1e+04 s apart" in said and "begin a new run" in said, (words, said)
+    assert not made.exists()
+
+
 def test_torques(folder):
     """By habit, by each joint's name, by the map; with the sign of the angles; blank where nothing is."""
     t, command, measured = servo_log()

@@ -191,6 +191,17 @@ class Sets(Case):
     def test_temperature(self):
         self.is_found("gyro_temperature")
 
+    def test_a_curve_without_what_the_temperature_does(self):
+        t, draw = 0.02 * np.arange(20000), np.random.default_rng(5)
+        warm = 24 + 10 * (1 - np.exp(-t / 150))
+        rates = 0.002 * draw.standard_normal((3, len(t))) + np.outer([5e-3, 0, -2e-3], warm - 24)
+        table = self.folder / "warm.csv"
+        np.savetxt(table, np.vstack([t, rates, warm]).T, fmt="%.7f", delimiter=",", header="time,gx,gy,gz,temp", comments="")
+        run("import", "imu", table, "--out", self.folder / "warm")
+        found = discovered(self.folder / "warm")
+        self.assertIn("gyro_temperature", [step["effect"] for step in found["steps"]])
+        self.follows_the_curve(found)
+
 
 class BesideACamera(Case):
     def test_offset_with_the_exposure_and_its_export(self):

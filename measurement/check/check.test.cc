@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -159,6 +160,13 @@ TEST_F(CheckedSet, PointsBehindTheCameraAreDoubted) {
   EXPECT_THAT(doubts_here(), Contains(HasSubstr("points.csv:2: the point stands behind the camera, "
                                                 "one of 120 among 120 rows")));
   EXPECT_THAT(describe_set(set(), {}).warnings, Contains(HasSubstr("behind the camera")));
+}
+
+TEST_F(CheckedSet, AnErrorThatIsNoNumberIsSaidInWords) {
+  write(grid());
+  const std::vector<std::string> said = doubts(set(), model_, NAN);
+  EXPECT_THAT(said, Contains(HasSubstr("The model predicts no number for some rows")));
+  EXPECT_THAT(said, testing::Not(Contains(HasSubstr("nan"))));
 }
 
 TEST_F(CheckedSet, MillimetresAreDoubted) {

@@ -54,14 +54,25 @@ class Lagged {
 // of half a sine's period looks the same: the shorter one is believed.
 bool counts_the_other_way(const Lagged& lagged, int most_lag) {
   constexpr double kLeast = 0.8;  // Correlation; noise of short logs reaches 0.6.
-  double opposite = 0, alike = 0;
+  struct Best {
+    double r = 0;
+    int lag = 0;
+  };
+  Best opposite, alike_later;
+  double alike = 0;
+  const auto offer = [](double r, int lag, Best& best) {
+    if (r > best.r) best = {r, lag};
+  };
   for (int lag = -most_lag; lag <= most_lag; ++lag) {
     const double r = lagged.correlation(lag);
     alike = std::max(alike, r);
-    if (lag >= 0) opposite = std::max(opposite, -r);
+    if (lag < 0) continue;
+    offer(-r, lag, opposite);
+    offer(r, lag, alike_later);
   }
+  if (alike_later.r > kLeast && alike_later.lag < opposite.lag) return false;
   // Half of the remaining variance separates the two.
-  return opposite > kLeast && 1 - opposite * opposite < 0.5 * (1 - alike * alike);
+  return opposite.r > kLeast && 1 - opposite.r * opposite.r < 0.5 * (1 - alike * alike);
 }
 
 }  // namespace

@@ -70,6 +70,11 @@ TEST_F(CommandFaults, AJointThatCountsTheOtherWayIsTold) {
     s.measured_rad = 0.5 * std::sin(0.02 * k - 1) + 0.2 * std::sin(0.05 * k - 2);
   });
   EXPECT_THAT(faults_of_values(late), IsEmpty());
+  // A sine whose half period looks more alike, turned over, than a lag between two rows.
+  const auto sine = servo([](int k, Sample& s) {
+    s.command_rad = 0.5 * std::sin(0.2 * k), s.measured_rad = 0.48 * std::sin(0.2 * k - 0.1);
+  });
+  EXPECT_THAT(faults_of_values(sine), IsEmpty());
   const auto still =
       servo([](int k, Sample& s) { s.measured_rad = 1e-4 * std::sin(37.0 * k * k); });
   EXPECT_THAT(faults_of_values(still), IsEmpty());

@@ -66,9 +66,10 @@ void doubt_columns(const MeasurementSet& set, const Kind& kind, const Model& mod
   }
   if (!(kExchangedGain * other < error) && std::isfinite(error)) return;
   if (!std::isfinite(other)) return;
-  lines.push_back(fmt::format(
-      "{} and {} exchanged? With {} read as {} the error is {:.4g} instead of {:.4g} noise units",
-      u, v, v, u, other, error));
+  const std::string instead = std::isfinite(error) ? fmt::format(" instead of {:.4g}", error) : "";
+  lines.push_back(
+      fmt::format("{} and {} exchanged? With {} read as {} the error is {:.4g}{} noise units", u, v,
+                  v, u, other, instead));
 }
 
 void doubt_axes(const MeasurementSet& set, const Kind& kind, const Model& model,
@@ -110,8 +111,10 @@ std::vector<std::string> doubts(const MeasurementSet& set, const Model& model, d
   }
   const bool is_absurd = !std::isfinite(error) || error > kAbsurdError;
   if (is_absurd || !evidence.empty())
-    lines.push_back(fmt::format("units? axes? The error is {:.4g} noise units{}", error,
-                                evidence.empty() ? ", more than effects explain" : ""));
+    lines.push_back(!std::isfinite(error)
+                        ? "units? axes? The model predicts no number for some rows"
+                        : fmt::format("units? axes? The error is {:.4g} noise units{}", error,
+                                      evidence.empty() ? ", more than effects explain" : ""));
   for (const std::string& line : evidence) lines.push_back("  " + line);
   return lines;
 }

@@ -90,9 +90,10 @@ void check_times(const std::vector<int64_t>& ns, const RowPlace& place,
   }
   if (jumps > 0)
     draft.warn(
-        fmt::format("{}: the clock jumps by {} s where {:.4g} s are usual, {} such jumps in "
+        fmt::format("{}: the clock jumps by {:.6g} s where {:.4g} s are usual, {} such jumps in "
                     "all",
-                    place(first), seconds_text(ns[first] - ns[first - 1]), step_ns * 1e-9, jumps));
+                    place(first), static_cast<double>(ns[first] - ns[first - 1]) * 1e-9,
+                    step_ns * 1e-9, jumps));
 }
 
 void to_radians(std::vector<double>& values, const std::string& quantity, const RowPlace& place,

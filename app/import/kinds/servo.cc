@@ -214,7 +214,8 @@ void ServoImport::write() {
     draft_.did(fmt::format("torque_enable 0 in {} rows of {} (--off-where)", off_, rows_.size()));
   for (const std::string& unit : named_units_)
     draft_.did(fmt::format("angles from {} to rad, as their columns are named", unit));
-  if (!request_.unit.empty()) draft_.did(fmt::format("angles from {} to rad", request_.unit));
+  if (!request_.unit.empty() && request_.unit != "rad")
+    draft_.did(fmt::format("angles from {} to rad", request_.unit));
   if (!extra_.empty()) draft_.did(fmt::format("kept beside them: {}", fmt::join(extra_, ", ")));
   if (repeated_ > 0)
     draft_.warn(fmt::format("{} rows repeat the time of the row above: left out", repeated_));

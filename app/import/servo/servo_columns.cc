@@ -121,7 +121,8 @@ std::vector<JointColumns> suffixed_joints(const SignalLog& log) {
 const ServoNames& servo_names() {
   static const ServoNames names = {
       .times = {"time_s", "time", "timestamp", "stamp", "times", "t", "time_ms", "timestamp_ms",
-                "time_us", "timestamp_us", "time_ns", "timestamp_ns", "t_ms", "t_us", "t_ns"},
+                "time_us", "timestamp_us", "time_ns", "timestamp_ns", "t_ms", "t_us", "t_ns",
+                "stamp_ms", "stamp_us", "stamp_ns"},
       .commands = {"command_rad",
                    "command",
                    "goal_position",

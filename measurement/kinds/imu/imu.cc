@@ -309,6 +309,19 @@ size_t ImuProblem::longest_stretch() const {
       data_.stretches.begin());
 }
 
+// Readings of the longest stretch without what the model makes of their temperature.
+std::vector<double> ImuProblem::without_warmth(size_t axis,
+                                               const effects::Inertial& inertial) const {
+  const ImuStretch& longest = data_.stretches[longest_stretch()];
+  std::vector<double> readings = longest.samples[axis];
+  if (longest.temperature_c.empty()) return readings;
+  const Row row{.stretch = longest_stretch(), .axis = axis};
+  const double per_k = reading_of(row, inertial, 0.5) - reading_of(row, inertial, -0.5);
+  for (size_t i = 0; i < readings.size(); ++i)
+    readings[i] -= per_k * (longest.temperature_c[i] - longest.warmth_c.value_or(0));
+  return readings;
+}
+
 std::vector<Curve> ImuProblem::curves(const Model& model) const {
   const ImuStretch& longest = data_.stretches[longest_stretch()];
   const effects::Inertial inertial = effects::inertial_of(model);
@@ -321,7 +334,7 @@ std::vector<Curve> ImuProblem::curves(const Model& model) const {
                 .at_name = "averaged over",
                 .at_unit = "s",
                 .unit = axis < 3 ? "rad/s" : "m/s^2",
-                .points = allan_deviation(longest.samples[axis], longest.dt_s)};
+                .points = allan_deviation(without_warmth(axis, inertial), longest.dt_s)};
     for (CurvePoint& point : curve.points) {
       const double m = std::round(point.at / longest.dt_s);
       const effects::InertialSensor& by = sensor(inertial, axis);

@@ -68,6 +68,7 @@ class ImuProblem : public Problem, public HasCurves {
   bool stamps_scatter() const;
   std::string lacking(const effects::Inertial& by) const;
   size_t longest_stretch() const;
+  std::vector<double> without_warmth(size_t axis, const effects::Inertial& inertial) const;
   size_t axis_of_line(const EffectDefinition& effect) const;
   std::vector<std::vector<double>> line_starts(const Model& model, const EffectDefinition& effect,
                                                const Groups& groups) const;
