@@ -87,7 +87,8 @@ void JointsProblem::predict_efforts(const Model& model, const Groups& groups,
 }
 
 std::vector<Finding> JointsProblem::findings(const Model& model) const {
-  if (!has_efforts() || !predicts_efforts(model) || states_inertia(model)) return {};
+  // Torques that took no part say nothing.
+  if (!efforts_read_ || !predicts_efforts(model) || states_inertia(model)) return {};
   const double inertia_kg_m2 = evaluate(model, all_groups(), nullptr).nuisance_values.back();
   Finding finding{
       .what = "joint", .name = "inertia", .values = {{"kg_m2", inertia_kg_m2}}, .text = ""};

@@ -117,6 +117,7 @@ TEST(Effort, AModelWithoutTorqueIgnoresTheColumn) {
   // What a search from there ends with predicts it, but was not held against it.
   EXPECT_THAT(with.remarks(model_of(kSprungMotor)),
               testing::ElementsAre(HasSubstr("effort_nm took no part")));
+  EXPECT_TRUE(with.findings(model_of(kSprungMotor)).empty());
   EXPECT_TRUE(plain.remarks(lag).empty());
 }
 
