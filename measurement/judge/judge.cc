@@ -139,6 +139,11 @@ double root_gain_over_scatter(const Score& before, const Score& after, size_t fe
       [](double gain) { return std::copysign(std::sqrt(std::abs(gain)), gain); }, kSaysNothing);
 }
 
+bool falls_behind(const Assessment& here, double error_before, const Assessment& rival) {
+  return here.error > kUseless && kPlainlyLess * here.error > rival.error &&
+         here.error > kPlainlyLess * error_before;
+}
+
 double tie_width(double error) {
   return kTieWidth * std::max(1.0, error * error);
 }

@@ -89,6 +89,9 @@ void remember_significant(const std::vector<Candidate>& candidates,
 bool is_lens(const EffectDefinition& effect);
 bool are_lenses(const EffectDefinition& one, const EffectDefinition& other);
 
+// Whether a model explains nothing, far behind a rival, and its last step changed little about it.
+bool falls_behind(const Assessment& here, double error_before, const Assessment& rival);
+
 // The log-likelihood below which two explanations count as equally good.
 double tie_width(double error);
 

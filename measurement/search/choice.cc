@@ -128,12 +128,6 @@ bool clearly_needed(const Grown& grown, const std::string& name) {
   return false;
 }
 
-bool falls_behind(const Grown& grown, double error_before, const Grown& rival) {
-  const double error = grown.assessment.error;
-  return error > kUseless && kPlainlyLess * error > rival.assessment.error &&
-         error > kPlainlyLess * error_before;
-}
-
 bool all_useless(const Grown& base, const Looks& looks) {
   const double given = base.assessment.error;
   const auto useless = [&](const Candidate& candidate) {

@@ -39,9 +39,6 @@ Candidate* largest_own_part(const Grown& here, std::vector<Candidate>& candidate
 // cannot go: a shortcut.
 bool clearly_needed(const Grown& grown, const std::string& name);
 
-// Whether a model explains nothing, far behind a rival, and its last step changed little about it.
-bool falls_behind(const Grown& grown, double error_before, const Grown& rival);
-
 // Whether neither the model nor any one effect beside it explains anything.
 bool all_useless(const Grown& base, const Looks& looks);
 

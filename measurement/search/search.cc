@@ -156,7 +156,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
     grown = named_by_camera(problem_, std::move(grown));
     const bool simpler = exchanged && fitted_parameters(grown) < parameters_before;
     if (!(merit_of(problem_, grown) > before) && !simpler) break;
-    if (rival != nullptr && falls_behind(grown, error_before, *rival)) break;
+    if (rival != nullptr && falls_behind(grown.assessment, error_before, rival->assessment)) break;
   }
   return grown;
 }

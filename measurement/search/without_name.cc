@@ -198,7 +198,7 @@ bool look_for_formula(const Problem& problem, const Progress& progress, SearchRe
   double most = 0;
   for (const size_t place :
        of_mean > 0 ? std::vector<size_t>{0, of_mean} : std::vector<size_t>{0}) {
-    auto found = suggest(problem, grown[place]);
+    auto found = suggest(problem, grown[place], &last.assessment);
     if (!found) continue;
     // Where something is left that is no noise, evidence is too sure.
     const double misfit = std::max(1.0, found->error * found->error);

@@ -20,7 +20,7 @@ class Proposer {
         vocabulary_(vocabulary),
         library_(problem, base.model, vocabulary) {}
 
-  std::optional<Formula> run();
+  std::optional<Formula> run(const Assessment* rival);
   // The model of a problem with these terms, every coefficient fitted.
   Formula fitted_to(const Problem& problem, const Assessment& base, std::vector<Term> terms) const;
 
@@ -131,13 +131,15 @@ bool Proposer::grows(Formula& found) {
   return best.has_value();
 }
 
-std::optional<Formula> Proposer::run() {
+std::optional<Formula> Proposer::run(const Assessment* rival) {
   if (!library_.valid()) return std::nullopt;
   const Work work("parts of the formula", kMostTerms + 1, Work::Of::at_most);
   Formula found = fitted({});
   while (found.terms.size() < kMostTerms) {
     work.done();
+    const double error_before = found.assessment.error;
     if (!grows(found)) break;
+    if (rival != nullptr && falls_behind(found.assessment, error_before, *rival)) break;
   }
   return found.terms.empty() ? std::nullopt : std::optional(without_needless(std::move(found)));
 }
@@ -145,9 +147,9 @@ std::optional<Formula> Proposer::run() {
 }  // namespace
 
 std::optional<Formula> formula_of(const Problem& problem, const Assessment& base,
-                                  const Vocabulary& vocabulary) {
+                                  const Assessment* rival, const Vocabulary& vocabulary) {
   const Problem& seen = problem.with_residuals();
-  if (&seen == &problem) return Proposer(problem, base, vocabulary).run();
+  if (&seen == &problem) return Proposer(problem, base, vocabulary).run(rival);
   // Built from residuals that are means, and then fitted to what they are means of.
   std::vector<Unknown> of_mean;
   for (const Unknown& unknown : base.unknowns) {
@@ -155,7 +157,7 @@ std::optional<Formula> formula_of(const Problem& problem, const Assessment& base
   }
   const Assessment shown = assess(seen, base.model, of_mean);
   Proposer proposer(seen, shown, vocabulary);
-  auto found = proposer.run();
+  auto found = proposer.run(rival);
   if (!found) return std::nullopt;
   Formula told = proposer.fitted_to(problem, base, std::move(found->terms));
   return told.assessment.valid ? std::optional(std::move(told)) : std::nullopt;

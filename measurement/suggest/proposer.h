@@ -22,8 +22,9 @@ struct Formula {
 };
 
 // Each term is looked for on about 4,000 residuals, where there are more, and taken if it helps on
-// held-out groups; nothing where the first does not.
+// held-out groups; nothing where the first does not. Grows no further where it falls behind a
+// rival.
 std::optional<Formula> formula_of(const Problem& problem, const Assessment& base,
-                                  const Vocabulary& vocabulary);
+                                  const Assessment* rival, const Vocabulary& vocabulary);
 
 }  // namespace seam::measurement

@@ -34,13 +34,14 @@ std::vector<std::string> varying_columns(const Problem& problem) {
 
 }  // namespace
 
-std::optional<Suggestion> suggest(const Problem& problem, const Grown& beside) {
+std::optional<Suggestion> suggest(const Problem& problem, const Grown& beside,
+                                  const Assessment* rival) {
   const effects::Kind kind = problem.facts().set.kind;
   if (kind == effects::Kind{}) return std::nullopt;  // A set made for tests.
   const auto stages = vocabularies(kind, beside.assessment.model, varying_columns(problem));
   std::optional<Formula> best;
   for (const Vocabulary& vocabulary : stages) {
-    auto formula = formula_of(problem, beside.assessment, vocabulary);
+    auto formula = formula_of(problem, beside.assessment, rival, vocabulary);
     if (formula && (!best || formula->merit > best->merit)) best = std::move(formula);
   }
   if (!best) return std::nullopt;
