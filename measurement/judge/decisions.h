@@ -26,10 +26,6 @@ inline constexpr double kMisfit = 1.15;
 // A model with an error above this explains nothing yet: its outliers mean nothing, and training
 // groups can be fitted by what is wrong elsewhere. A judgement.
 inline constexpr double kUseless = 10;
-// All that acts beside a motor is plainly nearer than the best found where of its sum of squares
-// this share is left: half of it where two were missing together, 0.97 where what was missing is
-// unknown.
-inline constexpr double kPlainlyNearer = 0.75;
 // Up to this error a model that is so many times better than the given one explains something, and
 // has outliers; they may be what a better one still misses.
 inline constexpr double kPoor = 40, kMuchBetter = 4;

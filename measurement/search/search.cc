@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "effects/questions.h"
 #include "effects/registry.h"
@@ -71,8 +70,6 @@ class Searcher {
   Looks first_;                    // On the base, had in the last round that looked at it.
   Looks moves_;                    // Had in the last round that looked at any.
   bool no_name_explains_ = false;  // Nor does any other, then, in this round.
-  // Of all that acts beside a motor, where it was fitted in this round.
-  double all_of_servo_ll_ = -std::numeric_limits<double>::infinity();
   std::vector<std::string> promising_;  // Significant in some look, best first.
 };
 
@@ -206,7 +203,6 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
   }
   result.first_is_of_base = !found;
   no_name_explains_ = false;
-  all_of_servo_ll_ = -std::numeric_limits<double>::infinity();
   result.best = base_;
   const bool moves_first =
       !found && all_useless(base_, first_) && !explained_without_name(problem_, {base_}, material_);
@@ -274,7 +270,6 @@ bool Searcher::widens(const Grown& grown) const {
 void Searcher::begin_with_dependents(const Grown& base, SearchResult& result) {
   if (!misses(base.assessment)) return;
   const auto all = with_all_of_servo(problem_, base, own_);
-  if (all) all_of_servo_ll_ = std::max(all_of_servo_ll_, all->grown.assessment.total_ll);
   // Where all of them leave far more than the noise, something else is missing.
   if (!all || all->grown.assessment.error > kUseless) return;
   // Those that go again may be as good as one that stays.
@@ -285,11 +280,9 @@ void Searcher::begin_with_dependents(const Grown& base, SearchResult& result) {
 }
 
 // Two of those that a motor still lacks may help nothing one by one, and lead to the truth
-// together. That something is missing shows where all that acts beside it came nearer, though
-// astray.
+// together.
 void Searcher::begin_with_rest(SearchResult& result) {
-  const Assessment& best = result.best.assessment;
-  if (best.error <= kUseless || kPlainlyNearer * best.total_ll > all_of_servo_ll_) return;
+  if (result.best.assessment.error <= kUseless) return;
   const auto rest = with_other_of_servo(problem_, result.best, own_);
   if (rest && rest->grown.assessment.error <= kUseless) begin_with(*rest, result);
 }
