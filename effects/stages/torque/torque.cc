@@ -10,14 +10,16 @@ namespace seam::effects {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kOrder = 9;                 // Highest power of time in a piece's angle.
+// Highest power of time in a piece's angle: the lower is enough for a row of most servos, and of
+// those with fast motors the higher makes longer pieces.
+constexpr int kOrder = 9, kMostOrder = 15;
 constexpr double kTolerance_rad = 1e-12;  // Of the last two terms.
 // Slower Stribeck speeds than this are a step at rest.
 constexpr double kLeastStribeck_radps = 1e-6;
 // Pieces of one call: more stand for an equation that no servo has.
 constexpr int kMostPieces = 600;
 
-using Series = std::array<double, kOrder + 1>;  // Coefficients by power of time.
+using Series = std::array<double, kMostOrder + 1>;  // Coefficients by power of time.
 
 double value_of(const Series& f, double t, int order) {
   double sum = f[order];
@@ -138,17 +140,18 @@ class Stretch {
       : m_(motor), in_(input), region_(region) {
     q_[0] = state.q_rad, w_[0] = state.w_radps, cos_[0] = pull;
     start();
-    for (int k = 0; k < kOrder; ++k) extend(k);
-    finish();
+    for (; order_ < kOrder; ++order_) extend(order_);
   }
 
-  // At most `dt_s`, as long as the series is good.
-  double reach(double dt_s) const {
+  // At most `dt_s`, as long as the series is good, to which powers are added where it is not good
+  // for all of it.
+  double reach(double dt_s) {
+    if (is_good(dt_s)) return dt_s;
+    for (; order_ < kMostOrder; ++order_) extend(order_);
     double h = dt_s;
     for (int halving = 0; halving < 80; ++halving) {
-      const double last = last_terms(q_, h);
-      if (last < kTolerance_rad && friction_is_good(h)) return h;
-      h *= last > 1e4 * kTolerance_rad || !std::isfinite(last) ? 0.5 : 0.8;
+      if (is_good(h)) return h;
+      h *= last_terms(q_, h) < 1e4 * kTolerance_rad ? 0.8 : 0.5;
     }
     return kInfinity;
   }
@@ -166,15 +169,15 @@ class Stretch {
       first = t, next = region_, stops = false;
       change();
     };
-    offer(w_, region_.way, 0, kOrder - 1, [&] { stops = true; });
+    offer(w_, region_.way, 0, order_ - 1, [&] { stops = true; });
     if (m_.load_fraction > 0)
-      offer(net_, region_.net, 0, kOrder - 2, [&] { next.net = -region_.net; });
+      offer(net_, region_.net, 0, order_ - 2, [&] { next.net = -region_.net; });
     if (m_.carried_fraction > 0)
-      offer(gear_, region_.gear, 0, kOrder - 2, [&] { next.gear = -region_.gear; });
+      offer(gear_, region_.gear, 0, order_ - 2, [&] { next.gear = -region_.gear; });
     const auto offer_clamp = [&](const Series& f, double most, int side, int Region::*which) {
-      if (side != 0) return offer(f, side, -most, kOrder - 2, [&] { next.*which = 0; });
-      offer(f, -1, most, kOrder - 2, [&] { next.*which = 1; });
-      offer(f, 1, most, kOrder - 2, [&] { next.*which = -1; });
+      if (side != 0) return offer(f, side, -most, order_ - 2, [&] { next.*which = 0; });
+      offer(f, -1, most, order_ - 2, [&] { next.*which = 1; });
+      offer(f, 1, most, order_ - 2, [&] { next.*which = -1; });
     };
     if (in_.enabled) {
       offer_clamp(duty_, m_.max_duty, region_.duty, &Region::duty);
@@ -184,7 +187,7 @@ class Stretch {
     return first;
   }
 
-  MotorState at(double t) const { return {value_of(q_, t, kOrder), value_of(w_, t, kOrder - 1)}; }
+  MotorState at(double t) const { return {value_of(q_, t, order_), value_of(w_, t, order_ - 1)}; }
 
  private:
   void start() {
@@ -239,10 +242,12 @@ class Stretch {
     }
   }
 
-  static double last_terms(const Series& f, double h) {
+  bool is_good(double h) const { return last_terms(q_, h) < kTolerance_rad && friction_is_good(h); }
+
+  double last_terms(const Series& f, double h) const {
     double power = 1;
-    for (int k = 0; k < kOrder - 1; ++k) power *= h;
-    return std::abs(f[kOrder - 1]) * power + std::abs(f[kOrder]) * power * h;
+    for (int k = 0; k < order_ - 1; ++k) power *= h;
+    return std::abs(f[order_ - 1]) * power + std::abs(f[order_]) * power * h;
   }
 
   // A fast joint does not see yet what grows by powers of ten while it comes to rest: the series
@@ -251,17 +256,15 @@ class Stretch {
     if (!has_stribeck_) return true;
     constexpr double kShare = 1e-3, kGone = 40;
     double change = 0;
-    for (int k = kOrder - 1; k >= 1; --k) change = (change + std::abs(w_[k])) * h;
+    for (int k = order_ - 1; k >= 1; --k) change = (change + std::abs(w_[k])) * h;
     if (change < std::abs(w_[0]) - kGone * m_.stribeck_rad_per_s) return true;
     return last_terms(near_rest_, h) < kShare * near_rest_[0];
   }
 
-  // The rate's last power goes unused: its error is the angle's over time.
-  void finish() { w_[kOrder] = 0; }
-
   const TorqueModel& m_;
   const MotorInput& in_;
   const Region region_;
+  int order_ = 0;
   bool has_stribeck_ = false;
   Series q_, w_, duty_, drive_, net_, gear_;
   Series sin_{}, cos_{}, near_rest_{};
@@ -334,7 +337,7 @@ double advance_motor(const TorqueModel& motor, const MotorInput& input, double d
   Region region = region_of(motor, in, state, load, way);
   for (int pieces = 0; done_s < dt_s; ++pieces) {
     const double pulls = pieces == 0 ? pull : pull_at(motor, state.q_rad);
-    const Stretch stretch(motor, in, state, pulls, region);
+    Stretch stretch(motor, in, state, pulls, region);
     const double h = stretch.reach(dt_s - done_s);
     if (pieces >= kMostPieces || !std::isfinite(h)) {
       state = {NAN, NAN};
