@@ -212,6 +212,13 @@ void Problem::leave_out(std::vector<char> outliers) {
   beginnings_.problem->leave_out(std::move(first));
 }
 
+void Problem::resize_noise(const std::vector<double>& factor_of_channel) {
+  for (size_t c = 0; c < facts_.channels.size(); ++c)
+    facts_.channels[c].noise *= factor_of_channel[c];
+  ++times_marked_;
+  if (beginnings_.problem) beginnings_.problem->resize_noise(factor_of_channel);
+}
+
 bool Problem::acts(const EffectDefinition& effect) const {
   // A user's formula that names a column that is not there is an error, which its kind states.
   const bool is_formula = !effect.source.empty();

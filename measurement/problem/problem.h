@@ -208,6 +208,8 @@ class Problem {
     return (!left_out_.empty() && left_out_[scalar]) || (!gross_.empty() && gross_[scalar]);
   }
   const std::vector<char>& left_out() const { return left_out_; }
+  // Each channel's noise, so many times as large.
+  void resize_noise(const std::vector<double>& factor_of_channel);
 
   // The same set with the first rows of each group alone, where groups are long: fits and looks go
   // most of their way there (fitting/few_groups.h). A group's first rows are predicted without
@@ -219,7 +221,7 @@ class Problem {
   void have_beginnings(Beginnings beginnings) { beginnings_ = std::move(beginnings); }
   const Problem* beginnings() const { return beginnings_.problem.get(); }
 
-  // Tells sets of marks apart, for what is kept of predictions that depend on them.
+  // Tells sets of marks and noises apart, for what is kept of predictions that depend on them.
   int64_t times_marked() const { return times_marked_; }
 
   // Held-out folds: one (30 %) where groups are many, else each group in turn.

@@ -11,6 +11,7 @@
 #include "measurement/search/choice.h"
 #include "measurement/search/empirical_lens.h"
 #include "measurement/search/kept.h"
+#include "measurement/search/noise_size.h"
 #include "measurement/search/order.h"
 #include "measurement/search/told_apart.h"
 #include "measurement/search/without_name.h"
@@ -67,9 +68,9 @@ class Searcher {
   const Exchanges exchanges_;
   Grown base_;
   double looks_ = 1;
-  Looks first_;                    // On the base, had in the last round that looked at it.
-  Looks moves_;                    // Had in the last round that looked at any.
-  bool no_name_explains_ = false;  // Nor does any other, then, in this round.
+  Looks first_;                         // On the base, had in the last round that looked at it.
+  Looks moves_;                         // Had in the last round that looked at any.
+  bool no_name_explains_ = false;       // Nor does any other, then, in this round.
   std::vector<std::string> promising_;  // Significant in some look, best first.
 };
 
@@ -199,6 +200,10 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
     // The first look is what the user sees: every effect is fitted in it.
     progress_("step 1: trying effects");
     first_ = look(base_, /*promising_only=*/false, Asked::few_first);
+    if (mark_gross_errors(problem_, first_.candidates, result)) {
+      base_ = base();
+      first_ = look(base_, /*promising_only=*/false, Asked::few_first);
+    }
     promising_.clear(), moves_ = {};
   }
   result.first_is_of_base = !found;
@@ -323,9 +328,9 @@ SearchResult Searcher::run() {
   result.outliers_of_given = result.outliers.size();
   // Large errors that were given back to an effect of their own count as outliers for good where
   // the search then ends without one.
-  bool marks_changed = true;
+  bool changed = true;  // Marks, or the size of a noise.
   LargeErrors large_errors = LargeErrors::open;
-  for (int round = 0; round < kOutlierRounds && marks_changed; ++round) {
+  for (int round = 0; round < kOutlierRounds && changed; ++round) {
     base_ = base();
     if (round == 0 && base_.assessment.held.valid) check_enough(problem_, base_.assessment);
     const std::optional<Grown> earlier =
@@ -338,13 +343,15 @@ SearchResult Searcher::run() {
     if (given_back && !estimates) large_errors = LargeErrors::in_vain;
     if (large_errors == LargeErrors::open && estimates && !problem_.left_out().empty())
       large_errors = LargeErrors::proven;
-    marks_changed =
+    const bool marked =
         (large_errors == LargeErrors::in_vain ||
-         explains_something(best.error, base_.assessment.error)) &&
+         explains_something(std::min(best.error, error_beside_outliers(problem_, best.model)),
+                            base_.assessment.error)) &&
         mark_outliers(problem_, judge_of_outliers(problem_, model_, result.best, large_errors),
                       result);
+    changed = correct_noise(problem_, result.best) || marked;
   }
-  if (marks_changed) {
+  if (changed) {
     base_ = base();
     Assessment& best = result.best.assessment;
     best = assess(problem_, best.model, best.unknowns);
@@ -352,7 +359,7 @@ SearchResult Searcher::run() {
   result.base = base_;
   const auto by_name = [&](const std::string& name) { return definition(name); };
   result.best = exchanges_.told_simply(std::move(result.best), by_name);
-  result.first_is_of_base = result.first_is_of_base && !marks_changed;
+  result.first_is_of_base = result.first_is_of_base && !changed;
   progress_("putting the steps in order");
   Grown searched;
   do {

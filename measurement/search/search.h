@@ -93,7 +93,17 @@ enum class LargeErrors { open, in_vain, proven };
 Model judge_of_outliers(Problem& problem, const Model& given, const Grown& best,
                         LargeErrors large_errors);
 
+// The error of a model on all rows but its outliers, where these are few: gross errors say nothing
+// against it.
+double error_beside_outliers(const Problem& problem, const Model& model);
+
 // Marks outliers under this model; returns whether the marks changed.
 bool mark_outliers(Problem& problem, const Model& model, SearchResult& result);
+
+// Gross errors leave even the right effect far from the noise, where a spread that covers them
+// wins. Where an effect of the mean leaves far less of all rows but its outliers, these are marked;
+// returns whether the marks changed.
+bool mark_gross_errors(Problem& problem, const std::vector<Candidate>& candidates,
+                       SearchResult& result);
 
 }  // namespace seam::measurement

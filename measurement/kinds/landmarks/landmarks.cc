@@ -46,7 +46,8 @@ class LandmarksProblem : public Problem {
       const bool known = stated != set.noise.end();
       facts_.channels.push_back({.name = kLandmarkColumns[c],
                                  .noise = known ? stated->second : estimate_noise(ideal, c),
-                                 .estimated = !known});
+                                 .estimated = !known,
+                                 .correctable = !known});
     }
   }
 

@@ -60,7 +60,6 @@ void OdometryProblem::describe(const MeasurementSet& set, const CsvTable& table)
   for (size_t i = 0; i < runs_.size(); ++i)
     add_series(set, table, i, runs_[i].rows, runs_[i].time_s, facts_);
   scalars_.assign(table.rows(), {-1, -1, -1});
-  std::array<int, 3> channel_of = {-1, -1, -1};
   std::array<double, 3> estimated{};
   bool have_estimate = false;
   for (int channel = 0; channel < 3; ++channel) {
@@ -70,11 +69,12 @@ void OdometryProblem::describe(const MeasurementSet& set, const CsvTable& table)
     });
     if (!any) continue;
     const auto given = set.noise.find(kPoseColumns[channel]);
-    Channel c{.name = kPoseColumns[channel], .estimated = given == set.noise.end()};
+    const bool estimated_here = given == set.noise.end();
+    Channel c{
+        .name = kPoseColumns[channel], .estimated = estimated_here, .correctable = estimated_here};
     if (c.estimated && !have_estimate) estimated = noise_of_walks(runs_), have_estimate = true;
     c.noise = c.estimated ? estimated[channel] : given->second;
-    noise_[channel] = c.noise;
-    channel_of[channel] = static_cast<int>(facts_.channels.size());
+    channel_of_pose_[channel] = static_cast<int>(facts_.channels.size());
     facts_.channels.push_back(c);
   }
   std::vector<const WalkPose*> pose_of_row(table.rows(), nullptr);
@@ -86,7 +86,7 @@ void OdometryProblem::describe(const MeasurementSet& set, const CsvTable& table)
       if (std::isnan((*pose_of_row[row])[channel])) continue;
       scalars_[row][channel] = static_cast<int>(facts_.scalars());
       facts_.row_of.push_back(static_cast<int>(row));
-      facts_.channel_of.push_back(channel_of[channel]);
+      facts_.channel_of.push_back(channel_of_pose_[channel]);
     }
   }
   std::vector<std::string> known = {"run", "time_s", set.group};
@@ -145,7 +145,7 @@ Evaluation OdometryProblem::evaluate_walks(const Model& model, const Groups& gro
           std::isfinite(state.x_m) && std::isfinite(state.y_m) && std::isfinite(state.theta_rad);
     }
     if (!shares[i].valid) return;
-    const PoseSigmas sigma = pose_sigmas(noise, noise_, run, path);
+    const PoseSigmas sigma = pose_sigmas(noise, noise_of_set(), run, path);
     // A filter begins at the first pose, and needs a start only where that is not whole.
     const bool filtered = noisy || !kept->counted.empty();
     const auto fitted = [&] { return fit_start(run, run.rows.size(), path, sigma); };

@@ -115,8 +115,16 @@ class OdometryProblem : public Problem {
     std::vector<double> way, turn;
   };
 
+  // Of x, y and heading; 0 of what is not measured.
+  std::array<double, 3> noise_of_set() const {
+    std::array<double, 3> noise{};
+    for (size_t i = 0; i < noise.size(); ++i) {
+      if (channel_of_pose_[i] >= 0) noise[i] = facts_.channels[channel_of_pose_[i]].noise;
+    }
+    return noise;
+  }
   Ticks ticks_as(const effects::Locomotion& walk) const {
-    return counting_matters(walk.wheels, noise_) ? Ticks::rolled : Ticks::counted;
+    return counting_matters(walk.wheels, noise_of_set()) ? Ticks::rolled : Ticks::counted;
   }
   Evaluation evaluate_walks(const Model& model, const Groups& groups, const Stretch* stretch) const;
   Walked walked_by(const effects::Locomotion& walk, const WalkRun& run,
@@ -153,7 +161,7 @@ class OdometryProblem : public Problem {
   std::vector<std::array<int, 3>> scalars_;  // By row.
   std::vector<Covariate> columns_;           // Covariates that the table holds.
   bool ticks_ = false;
-  std::array<double, 3> noise_{};
+  std::array<int, 3> channel_of_pose_ = {-1, -1, -1};  // Of x, y and heading; -1: not measured.
 };
 
 // Makes the walks that the model would give (`seam measure`): each run starts at the origin,

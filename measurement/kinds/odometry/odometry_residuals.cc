@@ -161,7 +161,7 @@ std::vector<FreeError> OdometryProblem::free_prediction(const Model& model,
       return run.time_s[k] > run.time_s[seen.front()] + kShort_s;
     });
     if (after == seen.end()) continue;
-    const Start start = fit_start(run, *after, path, pose_sigmas(noise, noise_, run, path));
+    const Start start = fit_start(run, *after, path, pose_sigmas(noise, noise_of_set(), run, path));
     const From from_start(start.pose);
     for (auto k = after; k != seen.end(); ++k)
       wholly.add(missed(run.pose[*k], from_start(path[*k])));

@@ -121,6 +121,22 @@ Model judge_of_outliers(Problem& problem, const Model& given, const Grown& best,
   return are_few(rows_of(problem, problem.find_outliers(without))) ? without : model;
 }
 
+double error_beside_outliers(const Problem& problem, const Model& model) {
+  const Evaluation here = problem.evaluate(model, problem.all_groups());
+  const std::vector<char> outlier = problem.find_outliers(model);
+  double all = 0, count = 0, of_others = 0, others = 0;
+  for (size_t i = 0; i < std::min(here.used.size(), here.whitened.size()); ++i) {
+    if (!here.used[i]) continue;
+    const double square = here.whitened[i] * here.whitened[i];
+    all += square, ++count;
+    if (i < outlier.size() && outlier[i]) continue;
+    of_others += square, ++others;
+  }
+  if (!(count > 0)) return 0;
+  const bool few = others >= (1 - kMostOutliers) * count;
+  return few ? std::sqrt(of_others / others) : std::sqrt(all / count);
+}
+
 bool mark_outliers(Problem& problem, const Model& model, SearchResult& result) {
   std::vector<char> outliers = problem.find_outliers(model);
   const size_t count = static_cast<size_t>(std::count(outliers.begin(), outliers.end(), 1));
@@ -140,6 +156,19 @@ bool mark_outliers(Problem& problem, const Model& model, SearchResult& result) {
                                .residual = evaluation.residual[i]});
   }
   return changed;
+}
+
+bool mark_gross_errors(Problem& problem, const std::vector<Candidate>& candidates,
+                       SearchResult& result) {
+  const Candidate* best = nullptr;
+  double least = kUseless;
+  for (const Candidate& candidate : candidates) {
+    const Assessment& there = candidate.grown.assessment;
+    if (only_widens(*candidate.effect) || there.error < kUseless) continue;
+    const double error = error_beside_outliers(problem, there.model);
+    if (error < least && kMuchBetter * error < there.error) least = error, best = &candidate;
+  }
+  return best != nullptr && mark_outliers(problem, best->grown.assessment.model, result);
 }
 
 CompareResult compare(Problem& problem, const Model& model, double material) {

@@ -1,0 +1,56 @@
+#include "measurement/search/noise_size.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "measurement/judge/decisions.h"
+#include "measurement/problem/channel_misfit.h"
+#include "measurement/search/choice.h"
+
+namespace seam::measurement {
+namespace {
+
+// Of each channel, by how much its noise is larger than estimated, and what that is worth.
+struct Sizes {
+  std::vector<double> factor;
+  double worth_ll = 0;
+};
+
+Sizes sizes_of(const Problem& problem, const Evaluation& here) {
+  const double price = kPriceOfClear * std::log(static_cast<double>(count_used(problem)));
+  Sizes sizes;
+  for (size_t c = 0; c < problem.facts().channels.size(); ++c) {
+    sizes.factor.push_back(1);
+    if (!problem.facts().channels[c].correctable) continue;
+    const ChannelMisfit misfit = misfit_of_channel(problem.facts(), here, c);
+    if (!(misfit.count > 0) || !(misfit.chi2 > 0)) continue;
+    // The likelihood of normal errors is highest where their mean square is that of the noise.
+    const double square = misfit.chi2 / misfit.count;
+    const double gain_ll = 0.5 * misfit.count * (square - 1 - std::log(square));
+    if (!(gain_ll > price)) continue;
+    sizes.factor.back() = std::sqrt(square);
+    sizes.worth_ll += gain_ll - price;
+  }
+  return sizes;
+}
+
+}  // namespace
+
+bool correct_noise(Problem& problem, const Grown& best) {
+  Grown less = best;
+  for (const std::string& name : best.added) {
+    if (only_widens(*best.assessment.model.find(name)->definition)) less = without(less, name);
+  }
+  if (less.added == best.added) return false;
+  less.assessment = assess(problem, less.assessment.model, less.assessment.unknowns);
+  if (!less.assessment.valid) return false;
+  const Sizes sizes =
+      sizes_of(problem, problem.evaluate(less.assessment.model, problem.all_groups()));
+  if (!(sizes.worth_ll > 0) ||
+      merit_of(problem, less) + sizes.worth_ll < merit_of(problem, best) - kTieWidth)
+    return false;
+  problem.resize_noise(sizes.factor);
+  return true;
+}
+
+}  // namespace seam::measurement
