@@ -19,7 +19,7 @@ struct Channel {
   std::string name;        // The residual's name with its unit: u_px.
   double noise = 1;        // One sigma of a single observation, in that unit.
   bool estimated = false;  // The set left its noise unknown.
-  // And what the best model leaves may tell it better (search/noise_size.h).
+  // And what the best model leaves may tell it better (search/models/noise_size.cc).
   bool correctable = false;
 };
 

@@ -11,7 +11,6 @@
 #include "measurement/search/choice.h"
 #include "measurement/search/empirical_lens.h"
 #include "measurement/search/kept.h"
-#include "measurement/search/noise_size.h"
 #include "measurement/search/order.h"
 #include "measurement/search/told_apart.h"
 #include "measurement/search/without_name.h"

@@ -1,11 +1,10 @@
-#include "measurement/search/noise_size.h"
-
+// Whether noises are more than another size of the noise that was estimated.
 #include <algorithm>
 #include <cmath>
 
 #include "measurement/judge/decisions.h"
-#include "measurement/problem/channel_misfit.h"
 #include "measurement/search/choice.h"
+#include "measurement/search/search.h"
 
 namespace seam::measurement {
 namespace {
@@ -22,11 +21,15 @@ Sizes sizes_of(const Problem& problem, const Evaluation& here) {
   for (size_t c = 0; c < problem.facts().channels.size(); ++c) {
     sizes.factor.push_back(1);
     if (!problem.facts().channels[c].correctable) continue;
-    const ChannelMisfit misfit = misfit_of_channel(problem.facts(), here, c);
-    if (!(misfit.count > 0) || !(misfit.chi2 > 0)) continue;
+    double chi2 = 0, count = 0;
+    for (size_t i = 0; i < problem.facts().scalars(); ++i) {
+      if (!here.used[i] || problem.facts().channel_of[i] != static_cast<int>(c)) continue;
+      chi2 += here.whitened[i] * here.whitened[i], ++count;
+    }
+    if (!(chi2 > 0)) continue;
     // The likelihood of normal errors is highest where their mean square is that of the noise.
-    const double square = misfit.chi2 / misfit.count;
-    const double gain_ll = 0.5 * misfit.count * (square - 1 - std::log(square));
+    const double square = chi2 / count;
+    const double gain_ll = 0.5 * count * (square - 1 - std::log(square));
     if (!(gain_ll > price)) continue;
     sizes.factor.back() = std::sqrt(square);
     sizes.worth_ll += gain_ll - price;

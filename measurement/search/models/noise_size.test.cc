@@ -1,6 +1,4 @@
 // A noise of unknown size is no effect, whatever it was estimated at; gross errors hide no mean.
-#include "measurement/search/noise_size.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
