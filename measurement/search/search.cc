@@ -199,7 +199,7 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
     // The first look is what the user sees: every effect is fitted in it.
     progress_("step 1: trying effects");
     first_ = look(base_, /*promising_only=*/false, Asked::few_first);
-    if (mark_gross_errors(problem_, first_.candidates, result)) {
+    if (mark_gross_errors(problem_, base_, first_.candidates, result)) {
       base_ = base();
       first_ = look(base_, /*promising_only=*/false, Asked::few_first);
     }

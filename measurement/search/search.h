@@ -109,7 +109,7 @@ bool correct_noise(Problem& problem, const Grown& best);
 // Gross errors leave even the right effect far from the noise, where a spread that covers them
 // wins. Where an effect of the mean leaves far less of all rows but its outliers, these are marked;
 // returns whether the marks changed.
-bool mark_gross_errors(Problem& problem, const std::vector<Candidate>& candidates,
-                       SearchResult& result);
+bool mark_gross_errors(Problem& problem, const Grown& base,
+                       const std::vector<Candidate>& candidates, SearchResult& result);
 
 }  // namespace seam::measurement

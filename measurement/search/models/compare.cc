@@ -158,8 +158,9 @@ bool mark_outliers(Problem& problem, const Model& model, SearchResult& result) {
   return changed;
 }
 
-bool mark_gross_errors(Problem& problem, const std::vector<Candidate>& candidates,
-                       SearchResult& result) {
+bool mark_gross_errors(Problem& problem, const Grown& base,
+                       const std::vector<Candidate>& candidates, SearchResult& result) {
+  if (base.assessment.error < kUseless) return false;
   const Candidate* best = nullptr;
   double least = kUseless;
   for (const Candidate& candidate : candidates) {

@@ -9,10 +9,10 @@
 namespace seam::measurement {
 namespace {
 
-// Of each channel, by how much its noise is larger than estimated, and what that is worth.
+// Of each channel, by how much its noise is larger than estimated.
 struct Sizes {
   std::vector<double> factor;
-  double worth_ll = 0;
+  double numbers = 0;  // That are worth their price.
 };
 
 Sizes sizes_of(const Problem& problem, const Evaluation& here) {
@@ -32,7 +32,7 @@ Sizes sizes_of(const Problem& problem, const Evaluation& here) {
     const double gain_ll = 0.5 * count * (square - 1 - std::log(square));
     if (!(gain_ll > price)) continue;
     sizes.factor.back() = std::sqrt(square);
-    sizes.worth_ll += gain_ll - price;
+    ++sizes.numbers;
   }
   return sizes;
 }
@@ -45,15 +45,22 @@ bool correct_noise(Problem& problem, const Grown& best) {
     if (only_widens(*best.assessment.model.find(name)->definition)) less = without(less, name);
   }
   if (less.added == best.added) return false;
-  less.assessment = assess(problem, less.assessment.model, less.assessment.unknowns);
-  if (!less.assessment.valid) return false;
-  const Sizes sizes =
-      sizes_of(problem, problem.evaluate(less.assessment.model, problem.all_groups()));
-  if (!(sizes.worth_ll > 0) ||
-      merit_of(problem, less) + sizes.worth_ll < merit_of(problem, best) - kTieWidth)
-    return false;
+  const auto assess_again = [&] {
+    const Model model = less.assessment.model;
+    less.assessment = assess(problem, model, less.assessment.unknowns);
+    return less.assessment.valid;
+  };
+  if (!assess_again()) return false;
+  Sizes sizes = sizes_of(problem, problem.evaluate(less.assessment.model, problem.all_groups()));
+  if (!(sizes.numbers > 0)) return false;
+  const double enough = merit_of(problem, best) - kTieWidth;
+  const double price =
+      kPriceOfClear * std::log(static_cast<double>(count_used(problem))) * sizes.numbers;
   problem.resize_noise(sizes.factor);
-  return true;
+  if (assess_again() && merit_of(problem, less) - price >= enough) return true;
+  for (double& factor : sizes.factor) factor = 1 / factor;
+  problem.resize_noise(sizes.factor);
+  return false;
 }
 
 }  // namespace seam::measurement
