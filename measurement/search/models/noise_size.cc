@@ -40,6 +40,8 @@ Sizes sizes_of(const Problem& problem, const Evaluation& here) {
 }  // namespace
 
 bool correct_noise(Problem& problem, const Grown& best) {
+  const std::vector<Channel>& channels = problem.facts().channels;
+  if (std::ranges::none_of(channels, &Channel::correctable)) return false;
   Grown less = best;
   for (const std::string& name : best.added) {
     if (only_widens(*best.assessment.model.find(name)->definition)) less = without(less, name);
