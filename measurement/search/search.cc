@@ -344,8 +344,8 @@ SearchResult Searcher::run() {
       large_errors = LargeErrors::proven;
     const bool marked =
         (large_errors == LargeErrors::in_vain ||
-         explains_something(std::min(best.error, error_beside_outliers(problem_, best.model)),
-                            base_.assessment.error)) &&
+         explains_something(best.error, base_.assessment.error) ||
+         explains_something(error_beside_outliers(problem_, best.model), base_.assessment.error)) &&
         mark_outliers(problem_, judge_of_outliers(problem_, model_, result.best, large_errors),
                       result);
     changed = correct_noise(problem_, result.best) || marked;

@@ -12,7 +12,7 @@ namespace {
 // Of each channel, by how much its noise is larger than estimated.
 struct Sizes {
   std::vector<double> factor;
-  double numbers = 0;  // That are worth their price.
+  double price = 0;  // Of the factors that are worth it.
 };
 
 Sizes sizes_of(const Problem& problem, const Evaluation& here) {
@@ -32,7 +32,7 @@ Sizes sizes_of(const Problem& problem, const Evaluation& here) {
     const double gain_ll = 0.5 * count * (square - 1 - std::log(square));
     if (!(gain_ll > price)) continue;
     sizes.factor.back() = std::sqrt(square);
-    ++sizes.numbers;
+    sizes.price += price;
   }
   return sizes;
 }
@@ -54,12 +54,10 @@ bool correct_noise(Problem& problem, const Grown& best) {
   };
   if (!assess_again()) return false;
   Sizes sizes = sizes_of(problem, problem.evaluate(less.assessment.model, problem.all_groups()));
-  if (!(sizes.numbers > 0)) return false;
+  if (!(sizes.price > 0)) return false;
   const double enough = merit_of(problem, best) - kTieWidth;
-  const double price =
-      kPriceOfClear * std::log(static_cast<double>(count_used(problem))) * sizes.numbers;
   problem.resize_noise(sizes.factor);
-  if (assess_again() && merit_of(problem, less) - price >= enough) return true;
+  if (assess_again() && merit_of(problem, less) - sizes.price >= enough) return true;
   for (double& factor : sizes.factor) factor = 1 / factor;
   problem.resize_noise(sizes.factor);
   return false;

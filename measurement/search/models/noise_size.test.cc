@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 
 #include "measurement/kinds/kinds.h"
 #include "measurement/search/search.h"
 #include "measurement/study/study.h"
+#include "sim_core/base/files.h"
 #include "sim_core/base/output.h"
 
 namespace seam::measurement {
@@ -20,13 +20,6 @@ namespace fs = std::filesystem;
 Model described(const std::string& effects) {
   return Model::from_config(
       ConfigNode::from_text("format: seam-model/1\neffects: " + effects + "\n", "test.yaml"));
-}
-
-std::string file_text(const fs::path& file) {
-  std::ifstream in(file);
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
 }
 
 // A study's set of a kind as this model has it.
@@ -41,7 +34,7 @@ fs::path made_of(const std::string& kind, const std::string& truth, const std::s
 }
 
 void forget_noise(const fs::path& set) {
-  std::istringstream lines(file_text(set / "measurement.yaml"));
+  std::istringstream lines(read_file(set / "measurement.yaml"));
   std::string kept, line;
   while (std::getline(lines, line)) {
     if (line.rfind("noise:", 0) != 0) kept += line + "\n";
@@ -92,7 +85,7 @@ TEST(NoiseSize, ANoiseThatHangsTogetherIsMoreThanAnotherSize) {
 TEST(GrossErrors, FarFromTheNoiseTheyHideNoMean) {
   const fs::path set =
       made_of("joints", "{ideal_servo: {}, speed_limit: {rad_per_s: 1.5}}", "gross-errors");
-  std::istringstream lines(file_text(set / "joints.csv"));
+  std::istringstream lines(read_file(set / "joints.csv"));
   std::string line, changed;
   std::getline(lines, line);
   changed = line + "\n";
