@@ -26,9 +26,8 @@ constexpr std::chrono::milliseconds kWatch{500};
 constexpr int kAcceptedAtOnce = 64;
 constexpr size_t kMostParting = 256;
 
-int spare_descriptor() {
-  return open("/dev/null", O_RDONLY | O_CLOEXEC);
-}
+// Descriptors kept for refusals: another thread may take one that was just given up, and keep it.
+constexpr size_t kSpare = 8;
 
 std::string with_port(const std::string& address, int port) {
   if (port < 0) return address;
@@ -54,7 +53,7 @@ AcceptLoop::AcceptLoop(std::vector<Endpoint> endpoints, ConnectionLimits limits,
     const std::string address = with_port(endpoint.address, port);
     places_.push_back({std::move(endpoint), address, std::move(sockets)});
   }
-  spare_ = spare_descriptor();
+  keep_spare();
 }
 
 AcceptLoop::~AcceptLoop() {
@@ -62,7 +61,7 @@ AcceptLoop::~AcceptLoop() {
   wake_.ring();
   if (thread_.joinable()) thread_.join();
   for (const int connection : parting_) close(connection);
-  if (spare_ >= 0) close(spare_);
+  for (const int spare : spare_) close(spare);
 }
 
 std::vector<std::string> AcceptLoop::addresses() const {
@@ -109,7 +108,7 @@ void AcceptLoop::accept_all(const Place& place, const ListeningSocket& listener)
     if (connection >= 0) {
       take(place, listener, connection);
     } else if (lacks_resources(errno)) {
-      if (!refuse_with_the_spare(place, listener)) return;
+      if (!refuse_with_a_spare(place, listener)) return;
     } else if (errno != ECONNABORTED && errno != EINTR) {
       return;  // None waits, or the listener is dead: `watch` sees to it.
     }
@@ -131,7 +130,7 @@ void AcceptLoop::refuse(const Place& place, int connection, const std::string& w
   [[maybe_unused]] const ssize_t sent =
       send(connection, words.data(), words.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
   // Hanging up at once would take the words back where the client has sent something meanwhile.
-  if (parting_.size() < kMostParting && spare_ >= 0) {
+  if (parting_.size() < kMostParting && spare_.size() == kSpare) {
     shutdown(connection, SHUT_WR);
     parting_.push_back(connection);
   } else {
@@ -139,19 +138,30 @@ void AcceptLoop::refuse(const Place& place, int connection, const std::string& w
   }
 }
 
-bool AcceptLoop::refuse_with_the_spare(const Place& place, const ListeningSocket& listener) {
+void AcceptLoop::keep_spare() {
+  while (spare_.size() < kSpare) {
+    const int spare = open("/dev/null", O_RDONLY | O_CLOEXEC);
+    if (spare < 0) return;
+    spare_.push_back(spare);
+  }
+}
+
+bool AcceptLoop::refuse_with_a_spare(const Place& place, const ListeningSocket& listener) {
   for (const int connection : std::exchange(parting_, {})) close(connection);
-  if (spare_ >= 0) close(std::exchange(spare_, -1));
+  if (!spare_.empty()) {
+    close(spare_.back());
+    spare_.pop_back();
+  }
   const int connection = accept4(listener.descriptor(), nullptr, nullptr, SOCK_CLOEXEC);
   if (connection >= 0) refuse(place, connection, "the server has no descriptors left");
-  spare_ = spare_descriptor();
+  keep_spare();
   // What waits makes poll return at once; it is not asked for all the time.
   if (connection < 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
   return connection >= 0;
 }
 
 void AcceptLoop::watch(Place& place) {
-  if (spare_ < 0) spare_ = spare_descriptor();
+  keep_spare();
   const bool live = !place.sockets.empty() &&
                     std::all_of(place.sockets.begin(), place.sockets.end(),
                                 [](const ListeningSocket& socket) { return socket.lives(); });

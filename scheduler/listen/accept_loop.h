@@ -55,15 +55,16 @@ class AcceptLoop {
   void take(const Place& place, const ListeningSocket& listener, int connection);
   void refuse(const Place& place, int connection, const std::string& why);
   // There are no descriptors for what waits: it is refused by one that was kept for this.
-  bool refuse_with_the_spare(const Place& place, const ListeningSocket& listener);
+  bool refuse_with_a_spare(const Place& place, const ListeningSocket& listener);
+  void keep_spare();
   void watch(Place& place);
   void report_refusals();
 
   std::vector<Place> places_;
   ConnectionCount count_;
   Report report_;
-  Wake wake_;       // Once the loop is to end.
-  int spare_ = -1;  // A descriptor for refusals when there are no others.
+  Wake wake_;               // Once the loop is to end.
+  std::vector<int> spare_;  // Descriptors for refusals when there are no others.
   size_t refused_ = 0;
   std::string refused_why_;   // The last.
   std::vector<int> parting_;  // Refused; their last words are on the way.
