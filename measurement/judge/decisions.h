@@ -249,9 +249,9 @@ inline constexpr double kLeastActing = 0.2;
 // A column of which others leave less than this share of its sum of squares is theirs (kAbsorbed
 // for columns made with one step of difference, whose length is good to 1e-4). A judgement.
 inline constexpr double kSpanned = 1e-8;
-// The held-out gain of a formula must be so many standard errors of its scatter between groups, or
-// between their blocks where fewer than this are held out: a formula is free to be anything, so it
-// is held to more than an effect with a name. A judgement.
+// The gain of a formula must be so many standard errors of its scatter between held-out groups, or,
+// where fewer than this are held out, between their blocks or all groups: a formula is free to be
+// anything, so it is held to more than an effect with a name. A judgement.
 inline constexpr size_t kGroupsForAgreement = 6;
 inline constexpr double kAgreedFormula = 2.5;
 // A term takes at least this share of a channel's squared residual, or it is not worth reading: at

@@ -189,8 +189,14 @@ bool look_for_formula(const Problem& problem, const Progress& progress, SearchRe
   const std::vector<Grown> grown = explanations_of(result);
   const Grown& last = grown.back();
   const size_t of_mean = steps_of_mean(result);
+  // One formula may do what several names do together: not where these leave no more than the
+  // noise, nor where smooth functions, which follow any formula, explain nothing.
+  const auto competes = [&] {
+    return result.steps.size() > 1 && last.assessment.error > 1 &&
+           explained_without_name(problem, {result.base}, result.material);
+  };
   if (result.verdict != "unexplained_structure" && last.assessment.error < kMisfit &&
-      of_mean == result.steps.size())
+      of_mean == result.steps.size() && !competes())
     return false;
   progress("building a formula from the residuals");
   result.formula_sought = true;

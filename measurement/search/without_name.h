@@ -31,8 +31,9 @@ void look_for_unnamed(const Problem& problem, SearchResult& result);
 // went.
 bool leave_out_doubted(const Problem& problem, SearchResult& result);
 
-// The same for a formula: it is looked for where smooth functions were found, where the steps leave
-// more than noise, and instead of steps that are spreads. Returns whether steps went.
+// The same for a formula: it is looked for where smooth functions were found or explain as much as
+// several steps, where these leave more than noise, and instead of spreads. Returns whether steps
+// went.
 bool look_for_formula(const Problem& problem, const Progress& progress, SearchResult& result);
 
 }  // namespace seam::measurement

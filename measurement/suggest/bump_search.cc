@@ -18,7 +18,7 @@ constexpr int kWidths = 5;
 
 std::optional<FoundBump> strongest_bump(const std::vector<double>& at,
                                         const std::vector<double>& weight,
-                                        const std::vector<double>& rest) {
+                                        const std::vector<double>& rest, const Arrives& arrives) {
   if (at.size() < kLeastForWaves) return std::nullopt;
   const auto [low, high] = std::minmax_element(at.begin(), at.end());
   const double from = *low, span = *high - *low;
@@ -31,13 +31,15 @@ std::optional<FoundBump> strongest_bump(const std::vector<double>& at,
   }
   std::vector<double> gains(bumps.size());
   parallel_for(bumps.size(), [&](size_t b) {
-    double square = 0, along = 0;
+    std::vector<double> there(at.size(), 0);
     for (size_t i = 0; i < at.size(); ++i) {
       const double off = (at[i] - bumps[b].place) / bumps[b].width;
-      if (std::abs(off) > 4) continue;
-      const double there = weight[i] * maths::exp(-off * off);
-      square += there * there, along += there * rest[i];
+      if (std::abs(off) < 4) there[i] = weight[i] * maths::exp(-off * off);
     }
+    if (arrives) arrives(there);
+    double square = 0, along = 0;
+    for (size_t i = 0; i < at.size(); ++i)
+      square += there[i] * there[i], along += there[i] * rest[i];
     gains[b] = square > 0 ? along * along / square : 0;
   });
   return bumps[static_cast<size_t>(std::max_element(gains.begin(), gains.end()) - gains.begin())];

@@ -4,6 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "measurement/suggest/wave_search.h"
+
 namespace seam::measurement {
 
 struct FoundBump {
@@ -14,6 +16,7 @@ struct FoundBump {
 // each, of some places and widths; nothing where observations are few or the variable stays.
 std::optional<FoundBump> strongest_bump(const std::vector<double>& at,
                                         const std::vector<double>& weight,
-                                        const std::vector<double>& rest);
+                                        const std::vector<double>& rest,
+                                        const Arrives& arrives = {});
 
 }  // namespace seam::measurement

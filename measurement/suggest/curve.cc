@@ -22,7 +22,7 @@ bool is_size(Curve curve, size_t number) {
 }
 
 bool is_fitted(Curve curve) {
-  return curve != Curve::none && curve != Curve::step;
+  return curve != Curve::none && curve != Curve::from && curve != Curve::until;
 }
 
 std::string curve_text(Curve curve, const std::string& variable,
@@ -36,8 +36,10 @@ std::string curve_text(Curve curve, const std::string& variable,
       return fmt::format("exp(-{} / {:.4g})", variable, numbers[0]);
     case Curve::rise:
       return fmt::format("(1 - exp(-{} / {:.4g}))", variable, numbers[0]);
-    case Curve::step:
-      return fmt::format("sign({})", less(variable, numbers[0]));
+    case Curve::from:
+      return fmt::format("(0.5 + 0.5 * sign({}))", less(variable, numbers[0]));
+    case Curve::until:
+      return fmt::format("(0.5 - 0.5 * sign({}))", less(variable, numbers[0]));
     case Curve::line:
       return fmt::format("({})", less(variable, numbers[0]));
     case Curve::above:

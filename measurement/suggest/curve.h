@@ -11,7 +11,8 @@ enum class Curve {
   wave,   // sin(w v + p); numbers: w in radians a unit of v, p in radians.
   decay,  // exp(-v / s); number: s in units of v.
   rise,   // 1 - exp(-v / s); number: s.
-  step,   // sign(v - s); number: s.
+  from,   // 1 where v > s, else 0; number: s.
+  until,  // 1 where v < s, else 0; number: s.
   line,   // v - s; number: s.
   above,  // max(v - s, 0); number: s.
   below,  // max(s - v, 0); number: s.

@@ -29,6 +29,7 @@ class Proposer {
   Formula fitted(std::vector<Term> terms) const {
     return fitted_to(problem_, base_, std::move(terms));
   }
+  bool groups_agree(const Assessment& before, const Assessment& after) const;
   bool supported(const Formula& before, const Formula& after) const;
   bool grows(Formula& found);
   Formula without_needless(Formula found) const;
@@ -76,6 +77,18 @@ Formula Proposer::fitted_to(const Problem& problem, const Assessment& base,
   return found;
 }
 
+// Held-out groups, or their blocks, or where these are few all groups: a term that some of them
+// alone ask for is no cause of all.
+bool Proposer::groups_agree(const Assessment& before, const Assessment& after) const {
+  const Groups scored = problem_.scored_groups();
+  const auto count = static_cast<size_t>(std::count(scored.begin(), scored.end(), 1));
+  if (count >= kGroupsForAgreement || !problem_.blocks().empty())
+    return root_gain_over_scatter(before.held, after.held, kGroupsForAgreement) > kAgreedFormula;
+  const Groups all = problem_.all_groups();
+  return root_gain_over_scatter(problem_.score(before.model, all), problem_.score(after.model, all),
+                                kGroupsForAgreement) > kAgreedFormula;
+}
+
 bool Proposer::supported(const Formula& before, const Formula& after) const {
   if (!after.assessment.valid) return false;
   const Term& last = after.terms.back();
@@ -85,14 +98,13 @@ bool Proposer::supported(const Formula& before, const Formula& after) const {
   const double excess = std::pow(before.assessment.error, 2) - 1;
   const double left = std::pow(after.assessment.error, 2) - 1;
   if (before.assessment.error > kMisfit && left > (1 - kLeastOfExcess) * excess) return false;
-  // Most held-out groups must gain, or their blocks where groups are few; and residuals fall in
-  // their own units by what is worth reading about: an error in units of a noise that is fitted
-  // beside the formula says nothing.
+  // Most groups must gain, and residuals fall in their own units by what is worth reading about: an
+  // error in units of a noise that is fitted beside the formula says nothing.
+  const bool halves = after.assessment.error < kPlainlyLess * before.assessment.error;
+  if (after.assessment.held_ll() <= before.assessment.held_ll() ||
+      !(halves || groups_agree(before.assessment, after.assessment)))
+    return false;
   const Score& held = after.assessment.held;
-  const double z = root_gain_over_scatter(before.assessment.held, held, kGroupsForAgreement);
-  const bool agreed =
-      z > kAgreedFormula || after.assessment.error < kPlainlyLess * before.assessment.error;
-  if (after.assessment.held_ll() <= before.assessment.held_ll() || !agreed) return false;
   double most = 0;
   for (size_t c = 0; c < held.native.size(); ++c) {
     if (held.native[c] > 0)

@@ -16,13 +16,12 @@ namespace {
 // evenly many observations; a number is then moved within its neighbours. Judgements.
 constexpr int kDecays = 4;
 constexpr int kPlaces = 8;
-constexpr int kFewWaves = 16;
 constexpr int kHalvings = 6;
 constexpr int kMostStepTrials = 6;
 constexpr double kLargestStep = 10;
-// Terms of which fits are tried before a formula is at its end, and from which correlation on a
-// term is one that was tried, unless it has fewer numbers. Judgements.
-constexpr size_t kMostTried = 3;
+// Terms whose numbers are moved, and of which fits are tried before a formula is at its end, and
+// from which correlation on a term is one that was tried, unless it has fewer numbers. Judgements.
+constexpr size_t kMostMoved = 12, kMostTried = 3;
 constexpr double kAlike = 0.9;
 
 Term carrying(Term term, const std::string& what) {
@@ -81,29 +80,33 @@ void TermLibrary::add_terms() {
   terms_ = vocabulary_.terms;
   // Most curves are of size 1: what a carrier's step is by itself is theirs.
   std::vector<double> steps(terms_.size(), 1e-6);
-  const bool followed = !vocabulary_.prefix.empty();
+  const Facts& facts = rows_.problem->facts();
   std::vector<FieldPlace> places;
-  if (followed) places = rows_.problem->field_places(base_, start_);
+  if (!vocabulary_.place.outputs.empty()) places = places_of();
   for (const Term& carrier : vocabulary_.carriers) {
     double step = 1e-6;
-    const ByScalar alone = followed ? ByScalar() : derivative(carrying(carrier, "1"), &step);
+    const ByScalar alone = derivative(carrying(carrier, "1"), &step);
     for (const std::string& variable : vocabulary_.variables) {
-      Along along;
-      if (followed) {
-        along.at = values_of(variable, places);
-      } else {
-        along = this->along(alone, derivative(carrying(carrier, variable)));
-      }
-      if (is_constant(along.at)) continue;
-      add_curves(carrier, variable, along.at);
-      if (followed) continue;
-      along.carrier = carrier, along.variable = variable;
-      along_.push_back(std::move(along));
+      auto along = along_channel(vocabulary_, *rows_.problem, start_, carrier, variable);
+      if (!along) along = along_place(vocabulary_, places, facts, start_, carrier, variable);
+      if (!along) along = along_changes(start_, alone, derivative(carrying(carrier, variable)));
+      if (is_constant(along->at)) continue;
+      std::vector<double> values = values_of(vocabulary_, facts, variable);
+      add_curves(carrier, variable, values.empty() ? along->at : std::move(values));
+      along->carrier = carrier, along->variable = variable;
+      along_.push_back(*std::move(along));
     }
     steps.resize(terms_.size(), step);
   }
   library_.resize(terms_.size());
   parallel_for(library_.size(), [&](size_t i) { library_[i] = derivative(terms_[i], &steps[i]); });
+}
+
+// Of all groups, as a problem asks.
+std::vector<FieldPlace> TermLibrary::places_of() const {
+  const Problem& problem = *rows_.problem;
+  const Evaluation here = problem.evaluate(base_, problem.all_groups());
+  return here.valid ? problem.field_places(base_, here) : std::vector<FieldPlace>();
 }
 
 double TermLibrary::looks() const {
@@ -204,32 +207,50 @@ std::vector<TermLibrary::Worth> TermLibrary::worths() const {
     double gain = 0;
     auto wave = best_wave(along, gain);
     if (wave && gain > wave->parameters() * price) {
-      ByScalar own = beyond(derivative(*wave));
-      if (!own.empty())
-        worths.push_back({gain - wave->parameters() * price, *std::move(wave), std::move(own)});
+      const ByScalar column = derivative(*wave);
+      ByScalar own = beyond(column);
+      if (own.empty()) continue;
+      if (along.arrives) set_coefficient(column, own, *wave);
+      worths.push_back({gain - wave->parameters() * price, *std::move(wave), std::move(own)});
     }
     if (const auto bump = best_bump(along)) worths.push_back(worth_of(*bump, derivative(*bump)));
   }
-  std::stable_sort(worths.begin(), worths.end(),
-                   [](const Worth& a, const Worth& b) { return a.worth > b.worth; });
+  sort(worths);
   return worths;
 }
 
 std::vector<Term> TermLibrary::best_terms(const Assessment& here) {
   look_from(here);
-  const std::vector<Worth> all = worths();
-  std::vector<const Worth*> best;
-  for (const Worth& worth : all) {
-    if (!(worth.worth > 0) || best.size() == kMostTried) break;
-    if (std::none_of(best.begin(), best.end(), [&](const Worth* before) {
-          return before->term.parameters() <= worth.term.parameters() &&
-                 std::abs(dot(before->own, worth.own)) > kAlike;
-        }))
-      best.push_back(&worth);
-  }
+  std::vector<Worth> best = unlike(worths(), kMostMoved);
+  // A curve whose place is among a few is often behind until it stands where it belongs.
+  parallel_for(best.size(), [&](size_t i) {
+    if (best[i].term.numbers.empty() || best[i].term.curve == Curve::wave) return;
+    const Term moved = moved_to_the_best(best[i].term);
+    best[i] = worth_of(moved, derivative(moved));
+  });
+  sort(best);
   std::vector<Term> terms;
-  for (const Worth* worth : best) terms.push_back(moved_to_the_best(worth->term));
+  for (const Worth& worth : unlike(std::move(best), kMostTried)) terms.push_back(worth.term);
   return terms;
+}
+
+void TermLibrary::sort(std::vector<Worth>& worths) {
+  std::stable_sort(worths.begin(), worths.end(),
+                   [](const Worth& a, const Worth& b) { return a.worth > b.worth; });
+}
+
+// The first of those that gain more than they cost, each unlike those before it.
+std::vector<TermLibrary::Worth> TermLibrary::unlike(std::vector<Worth> worths, size_t most) const {
+  std::vector<Worth> best;
+  for (Worth& worth : worths) {
+    if (!(worth.worth > 0) || best.size() == most) break;
+    if (std::none_of(best.begin(), best.end(), [&](const Worth& before) {
+          return before.term.parameters() <= worth.term.parameters() &&
+                 std::abs(dot(before.own, worth.own)) > kAlike;
+        }))
+      best.push_back(std::move(worth));
+  }
+  return best;
 }
 
 // A fit starts where the fitted parameters are at rest, on a small part of the way that the
@@ -252,7 +273,7 @@ std::vector<double> TermLibrary::rest_of(const Along& along) const {
 
 // The strongest wave in a variable where the carrier acts.
 std::optional<Term> TermLibrary::best_wave(const Along& along, double& gain) const {
-  const auto wave = strongest_wave(along.at, along.weight, rest_of(along));
+  const auto wave = strongest_wave(along.at, along.weight, rest_of(along), along.arrives);
   if (!wave) return std::nullopt;
   gain = share_ * wave->gain;
   Term term = curve_on(along.carrier, Curve::wave, along.variable, 0);
@@ -262,7 +283,7 @@ std::optional<Term> TermLibrary::best_wave(const Along& along, double& gain) con
 }
 
 std::optional<Term> TermLibrary::best_bump(const Along& along) const {
-  const auto bump = strongest_bump(along.at, along.weight, rest_of(along));
+  const auto bump = strongest_bump(along.at, along.weight, rest_of(along), along.arrives);
   if (!bump) return std::nullopt;
   const auto [low, high] = std::minmax_element(along.at.begin(), along.at.end());
   Term term = curve_on(along.carrier, Curve::bump, along.variable, *high - *low);
@@ -270,34 +291,7 @@ std::optional<Term> TermLibrary::best_bump(const Along& along) const {
   return term;
 }
 
-// From what a carrier changes by itself and with a variable. The variable's value at each residual
-// is what it would change beside what a constant would: that is exact where the output stands for
-// the residual itself, and near enough elsewhere to find a frequency or a place.
-TermLibrary::Along TermLibrary::along(const ByScalar& alone, const ByScalar& by_variable) const {
-  Along along;
-  if (alone.empty() || by_variable.empty()) return along;
-  double largest = 0;
-  for (const double value : alone) largest = std::max(largest, std::abs(value));
-  for (size_t i = 0; i < alone.size(); ++i) {
-    if (!start_.used[i] || std::abs(alone[i]) < kLeastActing * largest) continue;
-    along.scalars.push_back(i);
-    along.at.push_back(by_variable[i] / alone[i]), along.weight.push_back(alone[i]);
-  }
-  return along;
-}
-
-std::vector<double> TermLibrary::values_of(const std::string& variable,
-                                           const std::vector<FieldPlace>& places) const {
-  for (const FieldPlace& place : places) {
-    for (const Covariate& covariate : place.covariates) {
-      if (covariate.name == vocabulary_.prefix + variable) return covariate.values;
-    }
-  }
-  return {};
-}
-
-// Curves at places of a variable that has these values. Waves are but some, where best_wave cannot
-// look at more.
+// Curves at places of a variable that has these values.
 void TermLibrary::add_curves(const Term& carrier, const std::string& variable,
                              std::vector<double> values) {
   std::sort(values.begin(), values.end());
@@ -316,19 +310,15 @@ void TermLibrary::add_curves(const Term& carrier, const std::string& variable,
   }
   for (int k = 1; k < kPlaces; ++k) {
     const double place = values[values.size() * k / kPlaces];
-    for (const Curve curve : {Curve::step, Curve::above, Curve::below}) add(curve, {place});
+    for (const Curve curve : {Curve::from, Curve::until, Curve::above, Curve::below})
+      add(curve, {place});
     // What stays the same is often fitted already where the curve acts on something else.
     if (carrier.pieces.size() == 1 && carrier.pieces[0].text == "@") add(Curve::line, {place});
   }
-  for (int k = 2; k < kFewWaves && !vocabulary_.prefix.empty(); ++k) {
-    for (const double phase : {0.0, 0.5 * maths::kPi})
-      add(Curve::wave, {k * maths::kPi / span, phase});
-  }
 }
 
-// The term with its curve's numbers moved to where it takes the most. A wave's are there already.
+// The term with its curve's numbers moved to where it takes the most.
 Term TermLibrary::moved_to_the_best(Term term) const {
-  if (term.numbers.empty() || term.curve == Curve::wave) return term;
   const auto gain_of = [&](const Term& other) {
     const ByScalar own = beyond(derivative(other));
     return own.empty() ? 0 : std::pow(dot(own, rest_), 2);
@@ -347,8 +337,6 @@ Term TermLibrary::moved_to_the_best(Term term) const {
       }
     }
   }
-  const ByScalar column = derivative(term);
-  if (const ByScalar own = beyond(column); !own.empty()) set_coefficient(column, own, term);
   return term;
 }
 

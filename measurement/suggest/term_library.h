@@ -7,7 +7,7 @@
 
 #include "measurement/fitting/assess.h"
 #include "measurement/fitting/few_groups.h"
-#include "measurement/suggest/vocabulary.h"
+#include "measurement/suggest/along.h"
 
 namespace seam::measurement {
 
@@ -33,13 +33,6 @@ class TermLibrary {
  private:
   using ByScalar = std::vector<double>;
 
-  // Observations of a variable where a carrier acts, and how much it does.
-  struct Along {
-    Term carrier;
-    std::string variable;
-    std::vector<size_t> scalars;
-    std::vector<double> at, weight;
-  };
   struct Worth {
     double worth = 0;
     Term term;
@@ -54,12 +47,12 @@ class TermLibrary {
   ByScalar beyond(ByScalar column) const;
   Worth worth_of(Term term, const ByScalar& column) const;
   std::vector<Worth> worths() const;
+  static void sort(std::vector<Worth>& worths);
+  std::vector<Worth> unlike(std::vector<Worth> worths, size_t most) const;
   void set_coefficient(const ByScalar& column, const ByScalar& own, Term& term) const;
-  Along along(const ByScalar& alone, const ByScalar& by_variable) const;
-  std::vector<double> values_of(const std::string& variable,
-                                const std::vector<FieldPlace>& places) const;
   void add_curves(const Term& carrier, const std::string& variable, std::vector<double> values);
   void add_terms();
+  std::vector<FieldPlace> places_of() const;
   Term moved_to_the_best(Term term) const;
   double price_of_number() const;
   std::vector<double> rest_of(const Along& along) const;

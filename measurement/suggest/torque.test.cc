@@ -33,6 +33,16 @@ TEST(TorqueFormulaSlow, ASpringHasItsPlaceOfRest) {
                                             "0[.](3|29[89]|30[012])[0-9]*[)]$"));
 }
 
+// A push acts on all later angles, which swing otherwise than it does.
+TEST(TorqueFormulaSlow, ALoadThatRepeatsHasItsPeriod) {
+  const auto found = suggested("torque-teeth",
+                               "{stage: joint, torque: \"-k * sin(16 * q)\", parameters: {k: 12}}");
+  ASSERT_TRUE(found);
+  EXPECT_LT(found->error, 1.1);
+  EXPECT_THAT(found->formula, ContainsRegex("^torque: -?1[12][0-9.]* [*] sin[(]2 [*] pi [*] q / "
+                                            "0[.]39[23][0-9]* [+-] [0-9.]+[)]$"));
+}
+
 TEST(TorqueFormulaSlow, FrictionInOnePlaceIsABump) {
   const auto found = suggested("torque-spot",
                                "{stage: joint, torque: \"-k * sign(rate) * exp(-((q - 0.2) / "

@@ -1,5 +1,7 @@
 #include "measurement/suggest/vocabulary.h"
 
+#include <fmt/format.h>
+
 #include "effects/questions.h"
 #include "sim_core/base/error.h"
 
@@ -55,7 +57,11 @@ std::vector<Term> curves_in(const std::vector<std::string>& outputs) {
 }
 
 Vocabulary geometry() {
-  Vocabulary all{.stage = "geometry", .outputs = {"u", "v"}, .variables = {"u", "v", "t"}};
+  Vocabulary all{.stage = "geometry",
+                 .outputs = {"u", "v"},
+                 .variables = {"u", "v", "t"},
+                 .covariates = {{"u", "column"}, {"v", "row"}, {"t", "time"}},
+                 .channels = {{"u", "u_px"}, {"v", "v_px"}}};
   // Along the radius, and across it (a turn of the image): one coefficient for both axes.
   together(all.terms, {{"u", "(u - cx)"}, {"v", "(v - cy)"}},
            {"t", "t * t", "r2", "r2 * t", "r2 * r2", "r2 * r2 * r2", "sign(x)", "sign(y)", "1"});
@@ -66,6 +72,11 @@ Vocabulary geometry() {
   append(texts, {"r2 * x * x", "r2 * x * y", "r2 * y * y", "r2 * r2 * x", "r2 * r2 * y", "sign(x)",
                  "sign(y)", "sign(x) * y", "sign(y) * x", "abs(x)", "abs(y)", "1 / (1 + t)"});
   in_each_output(all, texts);
+  // Detectors of corners err by the place within a pixel.
+  for (const std::string& output : all.outputs) {
+    for (const char* wave : {"sin", "cos"})
+      all.terms.push_back({.pieces = {{output, fmt::format("{}(2 * pi * {})", wave, output)}}});
+  }
   return all;
 }
 
@@ -89,7 +100,11 @@ Vocabulary joint(const std::vector<std::string>& columns) {
 
 // What pushes a motor: loads, friction by the place, a motor that is stronger here or weaker later.
 Vocabulary torque() {
-  Vocabulary all{.stage = "joint", .outputs = {"torque"}, .variables = {"q", "t"}};
+  Vocabulary all{
+      .stage = "joint",
+      .outputs = {"torque"},
+      .variables = {"q", "t"},
+      .place = {.arrives = true, .variables = {"q", "rate", "t"}, .outputs = {"torque"}}};
   std::vector<std::string> texts = products({"q", "rate", "t"}, 3);
   append(texts, {"rate * abs(rate)", "sign(rate)", "sign(rate) * q", "sign(rate) * q * q",
                  "sign(rate) * t", "abs(rate)", "sin(q)", "cos(q)", "sin(2 * q)", "cos(2 * q)",
@@ -102,7 +117,10 @@ Vocabulary torque() {
 
 // Poses of the views take what moves all points alike, and what tilts the board.
 Vocabulary target() {
-  Vocabulary all{.stage = "target", .outputs = {"z"}, .variables = {"x", "y"}, .prefix = "target "};
+  Vocabulary all{.stage = "target",
+                 .outputs = {"z"},
+                 .variables = {"x", "y"},
+                 .place = {.variables = {"x", "y", "z"}, .outputs = {"x", "y", "z"}}};
   in_each_output(all, products({"x", "y"}, 3));
   in_each_output(all, {"abs(x)", "abs(y)", "abs(x) * y", "abs(y) * x", "x * x * y * y"});
   for (const char* output : {"x", "y"}) {
@@ -143,7 +161,12 @@ Vocabulary detector() {
 Vocabulary locomotion() {
   Vocabulary all{.stage = "locomotion",
                  .outputs = {"vx", "vy", "omega"},
-                 .variables = {"x", "y", "theta", "way", "t"}};
+                 .variables = {"x", "y", "theta", "way", "t"},
+                 .covariates = {{"x", "x_moved"},
+                                {"y", "y_moved"},
+                                {"theta", "heading"},
+                                {"way", "distance"},
+                                {"t", "time"}}};
   std::vector<std::string> texts = products({"vx", "vy", "omega"}, 3);
   append(texts, {"vx * t", "vy * t", "omega * t", "abs(vx)", "abs(vy)", "abs(omega)", "sign(vx)",
                  "sign(vy)", "sign(omega)", "vx * abs(vx)", "vy * abs(vy)", "omega * abs(omega)",

@@ -1,6 +1,7 @@
 // What a formula of one stage may be made of.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,9 +18,16 @@ struct Vocabulary {
   std::vector<Term> terms;
   // What curves multiply: terms with "@" in their pieces.
   std::vector<Term> carriers;
-  // Where nuisances follow what a carrier does by itself, values of a variable are those of the
-  // covariate whose name begins so: "target " of x and y.
-  std::string prefix = {};
+  // What a set's covariates call the variables, and its channels the outputs that are residuals
+  // themselves. Values of variables are taken from there: nuisances may follow what a carrier does.
+  std::map<std::string, std::string> covariates = {}, channels = {};
+  // The variables and outputs of a problem's place (FieldPlace) on which formulas of this stage act
+  // in place of channels, in its order, and whether they act on all that comes later.
+  struct Place {
+    bool arrives = false;
+    std::vector<std::string> variables, outputs;
+  };
+  Place place = {};
 };
 
 // The stages whose formulas act on a kind, beside this model; `columns` are the further columns of

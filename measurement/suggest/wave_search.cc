@@ -25,16 +25,21 @@ struct WaveSums {
 
 std::optional<FoundWave> strongest_wave(const std::vector<double>& at,
                                         const std::vector<double>& weight,
-                                        const std::vector<double>& rest) {
+                                        const std::vector<double>& rest, const Arrives& arrives) {
   if (at.size() < kLeastForWaves) return std::nullopt;
   const auto [low, high] = std::minmax_element(at.begin(), at.end());
   const double span = *high - *low;
   if (!(span > 0)) return std::nullopt;
   const auto look = [&](double frequency) {
+    std::vector<double> sine(at.size()), cosine(at.size());
+    for (size_t i = 0; i < at.size(); ++i) {
+      sine[i] = weight[i] * std::sin(frequency * at[i]);
+      cosine[i] = weight[i] * std::cos(frequency * at[i]);
+    }
+    if (arrives) arrives(sine), arrives(cosine);
     WaveSums sums;
     for (size_t i = 0; i < at.size(); ++i) {
-      const double s = weight[i] * std::sin(frequency * at[i]);
-      const double c = weight[i] * std::cos(frequency * at[i]);
+      const double s = sine[i], c = cosine[i];
       sums.ss += s * s, sums.cc += c * c, sums.sc += s * c, sums.sr += s * rest[i];
       sums.cr += c * rest[i];
     }

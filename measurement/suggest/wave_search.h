@@ -1,10 +1,15 @@
 // The strongest wave in scattered observations of a variable.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
 namespace seam::measurement {
+
+// Turns what acts at each observation into what it changes there: a push changes all that comes
+// later. Empty: itself.
+using Arrives = std::function<void(std::vector<double>&)>;
 
 struct FoundWave {
   double frequency = 0;  // Radians a unit of the variable.
@@ -17,6 +22,7 @@ struct FoundWave {
 // nothing where they are few or the variable stays.
 std::optional<FoundWave> strongest_wave(const std::vector<double>& at,
                                         const std::vector<double>& weight,
-                                        const std::vector<double>& rest);
+                                        const std::vector<double>& rest,
+                                        const Arrives& arrives = {});
 
 }  // namespace seam::measurement

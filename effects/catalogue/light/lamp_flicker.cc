@@ -13,7 +13,10 @@ EffectDefinition lamp_flicker() {
                       .min = 0,
                       .max = 5000,
                       .scale = 100,
-                      .help = "Frequency of the light, hertz."},
+                      .help = "Frequency of the light, hertz.",
+                      .plausible = {20, 5000,
+                                    "twice the mains: 100 and 120 Hz, railways 33; dimmers to "
+                                    "some kHz"}},
                      {.name = "depth",
                       .min = 0,
                       .max = 1,
