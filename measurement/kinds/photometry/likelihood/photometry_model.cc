@@ -19,12 +19,13 @@ constexpr size_t kWaveHeights = 64;
 class LevelPredictor {
  public:
   LevelPredictor(const PhotometryData& data, const effects::Model& model, const SensorChain& chain,
-                 const std::vector<double>& own_light, const PhotometryLevel& level,
-                 const LevelSums& sum, double set_noise_dn)
+                 const std::vector<double>& own_light, const std::vector<double>& wave,
+                 const PhotometryLevel& level, const LevelSums& sum, double set_noise_dn)
       : data_(data),
         model_(model),
         chain_(chain),
         own_light_(own_light),
+        wave_(wave),
         level_(level),
         sum_(sum),
         noise_{set_noise_dn, data.least_at_top_dn2, data.least_at_bottom_dn2} {
@@ -138,10 +139,7 @@ class LevelPredictor {
 
   // The wave of amplitude 1 at a sample.
   double unit_wave(size_t sample) const {
-    const size_t pixel = sample / static_cast<size_t>(data_.channels);
-    const auto width = static_cast<size_t>(data_.width_px);
-    return chain_.wave.unit_at(data_.column(static_cast<int>(pixel % width)),
-                               data_.row(static_cast<int>(pixel / width)));
+    return wave_[sample / static_cast<size_t>(data_.channels)];
   }
 
   // Between the two nearest of the heights to which a wave that is cut off is tabulated.
@@ -156,18 +154,11 @@ class LevelPredictor {
   // The fixed wave, less where values are clipped.
   void add_wave(LevelPrediction& out) const {
     if (!(chain_.wave.amplitude_dn > 0)) return;
-    size_t i = 0;
-    for (int v = 0; v < data_.height_px; ++v) {
-      for (int u = 0; u < data_.width_px; ++u) {
-        const double wave =
-            chain_.wave.amplitude_dn * chain_.wave.unit_at(data_.column(u), data_.row(v));
-        for (int c = 0; c < data_.channels; ++c, ++i) {
-          const double here = wave * out.offset_slope[i];
-          out.mean[i] += here;
-          if (!out.hot_mean.empty()) out.hot_mean[i] += here;
-          if (!out.weak_mean.empty()) out.weak_mean[i] += here;
-        }
-      }
+    for (size_t i = 0; i < out.mean.size(); ++i) {
+      const double here = chain_.wave.amplitude_dn * unit_wave(i) * out.offset_slope[i];
+      out.mean[i] += here;
+      if (!out.hot_mean.empty()) out.hot_mean[i] += here;
+      if (!out.weak_mean.empty()) out.weak_mean[i] += here;
     }
   }
 
@@ -253,12 +244,25 @@ class LevelPredictor {
   const effects::Model& model_;
   const SensorChain& chain_;
   const std::vector<double>& own_light_;
+  const std::vector<double>& wave_;  // Of amplitude 1, by pixel; empty: none.
   const PhotometryLevel& level_;
   const LevelSums& sum_;
   SetNoise noise_;
   double mean_time_ = 0;
   double own_scale_ = 0;  // Signal of the camera's own light of 1.
 };
+
+// The fixed wave of amplitude 1, by pixel; empty: there is none.
+std::vector<double> unit_wave(const PhotometryData& data, const SensorChain& chain) {
+  std::vector<double> wave;
+  if (!(chain.wave.amplitude_dn > 0)) return wave;
+  wave.reserve(static_cast<size_t>(data.width_px) * static_cast<size_t>(data.height_px));
+  for (int v = 0; v < data.height_px; ++v) {
+    for (int u = 0; u < data.width_px; ++u)
+      wave.push_back(chain.wave.unit_at(data.column(u), data.row(v)));
+  }
+  return wave;
+}
 
 }  // namespace
 
@@ -334,7 +338,7 @@ PhotometryPrediction predict(const PhotometryData& data, const PhotometrySums& s
   PhotometryPrediction out{.chain = effects::sensor_of(model)};
   const bool moving = depends_on_time(model);
   out.moves = moving || effects::lamps_flicker(model);
-  const std::vector<double> own = own_light(data, model);
+  const std::vector<double> own = own_light(data, model), wave = unit_wave(data, out.chain);
   std::vector<double> light;
   if (!moving) light = relative_light(data, model, 0);
   for (size_t l = 0; l < data.levels.size(); ++l) {
@@ -348,9 +352,9 @@ PhotometryPrediction predict(const PhotometryData& data, const PhotometrySums& s
         t += data.frames[frame].time_s - data.frames[0].time_s;
       light = relative_light(data, model, t / static_cast<double>(sums.levels[l].frames.size()));
     }
-    out.levels.push_back(
-        LevelPredictor(data, model, out.chain, own, data.levels[l], sums.levels[l], set_noise_dn)
-            .run(light, moving));
+    out.levels.push_back(LevelPredictor(data, model, out.chain, own, wave, data.levels[l],
+                                        sums.levels[l], set_noise_dn)
+                             .run(light, moving));
     out.nuisances += std::isnan(data.levels[l].illumination);
     out.falls = out.falls || out.levels.back().falls;
   }
