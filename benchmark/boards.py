@@ -93,6 +93,15 @@ def seen(camera, effects, points):
     return outside.in_image(effects, camera, u, v)
 
 
+def seen_in_motion(camera, effects, points, turns):
+    """Pixels of points while the camera turns, each read with its row; a turn a view, from the first row to the last."""
+    u, v = seen(camera, effects, points)
+    for _ in range(5 if np.any(turns) else 0):
+        part = v / camera["size"][1] - 0.5
+        u, v = seen(camera, effects, points + part[..., None] * np.cross(turns[:, None], points))
+    return u, v
+
+
 def drifted(camera, effects, t):
     """The camera at these times."""
     factor = 1 + effects.get("focal_drift", {}).get("per_s", 0) * t
@@ -169,6 +178,9 @@ def draw_effect(draw, name, camera, extent, px_m, video):
                               "tilt_rad": draw.uniform(0.3, 0.6), "way_rad": draw.uniform(-math.pi, math.pi)},
             "twisted board": lambda: {"m": draw.signed(0.006, 0.02) * extent},
             "flat_port": lambda: {"index": draw.uniform(1.333, 1.343), "distance_m": draw.uniform(0.01, 0.08)},
+            # Between the first row and the last, 0.4 to 2.5 px about each axis.
+            "view_motion": lambda: {"turn_sigma_rad": draw.uniform(0.4, 2.5) / camera["fx_px"]},
+            "focus_variation": lambda: {"sigma": draw.uniform(0.01, 0.04)},
             "pixel phase": lambda: {"px": draw.uniform(0.5, 1) * 0.2},
             # A zoom that creeps while a video is taken; in still views, a camera that warms up.
             "focal_drift": lambda: {"per_s": draw.signed(*((0.05, 0.15) if video else (6e-5, 1.5e-4)))}}.get(
@@ -298,7 +310,11 @@ def boards(plan):
     def pixels_of(effects):
         there = displaced(scene.board, effects, scene.draw)
         in_camera = there @ np.swapaxes(rotations, 1, 2) + places[:, None]
-        return [p.ravel() for p in seen(drifted(scene.camera, effects, times[:, None]), effects, in_camera)]
+        turns = scene.draw.of("turns").normal(outside.of(effects, "view_motion", "turn_sigma_rad"), size=(len(poses), 3))
+        focus = 1 + scene.draw.of("focus").normal(outside.of(effects, "focus_variation", "sigma"), size=(len(poses), 1))
+        camera = drifted(scene.camera, effects, times[:, None])
+        camera |= {name: camera[name] * focus for name in ("fx_px", "fy_px")}
+        return [p.ravel() for p in seen_in_motion(camera, effects, in_camera, turns)]
     scene.add_trace(pixels_of)
     pixels = pixels_of(scene.effects)
     points = np.tile(np.arange(len(scene.board)), len(poses))

@@ -38,6 +38,11 @@ def draw_effect(draw, name, seen):
                                          "period_px": draw.log_uniform(2.5, 16),
                                          "angle_rad": draw.choice((0, math.pi / 2, draw.uniform(-1.5, 1.5))),
                                          "phase_rad": draw.uniform(-3, 3)},
+            # From a corner or the middle of an edge; 0.5 to 5 times that noise in the longest of dark frames.
+            "amplifier_glow": lambda: {"light": 0.1 * draw.uniform(0.5, 5) * seen / (0.85 * TOP),
+                                       **dict(zip(("u0", "v0"), draw.choice(((0.5, 0.5), (-0.5, 0.5), (0.5, 0), (0, -0.5))))),
+                                       "fall_u_per_px": draw.log_uniform(0.03, 0.1),
+                                       "fall_v_per_px": draw.log_uniform(0.03, 0.1), "shape": draw.choice((1, 2))},
             "dust ring": lambda: {"depth": draw.uniform(2, 5) * seen / middle, "u_px": draw.uniform(15, 48),
                                   "v_px": draw.uniform(12, 36), "radius_px": draw.uniform(6, 12)},
             "image lag": lambda: {"share": draw.uniform(0.005, 0.02)}}.get(
@@ -75,6 +80,12 @@ def wave_of(amplitude_dn, period_px, angle_rad, phase_rad):
     return amplitude_dn * np.sin(2 * math.pi * (u * math.cos(angle_rad) + v * math.sin(angle_rad)) / period_px + phase_rad)
 
 
+def glow_of(light, u0, v0, fall_u_per_px, fall_v_per_px, shape):
+    v, u = np.mgrid[0:HEIGHT, 0:WIDTH].astype(float)
+    away = np.hypot(fall_u_per_px * (u - (u0 + 0.5) * (WIDTH - 1)), fall_v_per_px * (v - (v0 + 0.5) * (HEIGHT - 1)))
+    return light * np.exp(-away ** shape)
+
+
 class Sensor:
     """What stays the same over all frames."""
 
@@ -99,6 +110,8 @@ class Sensor:
         beside = outside.gain_beside(effects, u, v, WIDTH, HEIGHT, min(1.0, number / 40))
         signal = self.camera["gain_dn"] * light * lamp * exposure_ratio * self.field * beside
         signal = signal + outside.of(effects, "light leak", "dn") * exposure_ratio * u / WIDTH
+        if "amplifier_glow" in effects:  # Behind the lens.
+            signal = signal + self.camera["gain_dn"] * exposure_ratio * glow_of(**effects["amplifier_glow"])
         electrons = effects.get("shot_noise", {}).get("electrons_per_dn", 0)
         if electrons:
             charge = signal * electrons + effects.get("dark_current", {}).get("electrons_per_s", 0) * exposure_s

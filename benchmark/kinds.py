@@ -1,4 +1,5 @@
 """All sorts of sets, each with the function that makes one."""
+import heads
 import imu
 import imu_camera
 import outside
@@ -13,12 +14,17 @@ from walks import walks
 SORTS = {"boards": boards, "videos": videos, "servos": servos, "motors": motors, "landmarks": landmarks, "walks": walks,
          "wheels": walks, "flats": flats}
 # A sort that is made with an effect alone.
-ALONE = {"imus": lambda plan: (imu_camera if plan.cause in imu_camera.EFFECTS else imu).imus(plan)}
+ALONE = {"heads": heads.heads, "imus": lambda plan: (imu_camera if plan.cause in imu_camera.EFFECTS else imu).imus(plan)}
 # Causes that people have, each alone in the sets of a sort.
 CAUSES = [f"{sort}+{cause}" for sort, causes in {
-    "flats": ("dark_current_spread", "tap_gain", "periodic_pattern"), "boards": ("focal_drift", "flat_port"), "videos": ("focal_drift",), "landmarks": ("mount_offset", "wall_excess"),
-    "motors": ("friction_asymmetry", "motor_heating", "elastic_joint"), "servos": ("gear_ripple", "elastic_joint"),
-    "walks": ("tracker_offset", "turn_asymmetry"), "imus": (*imu.EFFECTS, *imu_camera.EFFECTS)}.items() for cause in causes]
+    "flats": ("dark_current_spread", "tap_gain", "periodic_pattern", "amplifier_glow"),
+    "boards": ("focal_drift", "flat_port", "view_motion", "focus_variation"), "videos": ("focal_drift",),
+    "landmarks": ("mount_offset", "wall_excess", "landmark_delay", "landmark_height"),
+    "motors": ("load_friction", "friction_asymmetry", "motor_heating", "elastic_joint"),
+    "servos": ("gear_ripple", "elastic_joint"),
+    "walks": ("tracker_offset", "turn_asymmetry", "tracker_turn"),
+    "wheels": ("encoder_skew", "wheel_growth", "wheel_load"), "heads": heads.EFFECTS,
+    "imus": (*imu.EFFECTS, *imu_camera.EFFECTS)}.items() for cause in causes]
 # Causes outside the catalogue, each alone in the sets of a sort.
 OUTSIDE = outside.sorts()
 

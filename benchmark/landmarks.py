@@ -52,6 +52,9 @@ def draw_effect(draw, name, noise):
             "bearing_offset_per_range": lambda: {"rad_per_m": draw.signed(0.5, 2) * noise["bearing_rad"]},
             "range_wander": lambda: {"sigma_m": draw.uniform(1, 3) * noise["range_m"], "tau_s": draw.uniform(0.5, 3)},
             "landmark_scatter": lambda: {"sigma_m": draw.uniform(1, 3) * noise["range_m"]},
+            "landmark_delay": lambda: {"sigma_m": draw.uniform(1, 3) * noise["range_m"]},
+            # At two metres a range is longer by half to five times the noise.
+            "landmark_height": lambda: {"z_m": math.sqrt(4 * draw.uniform(0.5, 5) * noise["range_m"])},
             "wall_excess": lambda: {"size_m": draw.uniform(3, 10) * noise["range_m"],
                                     "direction_rad": draw.choice((0, math.pi / 2, draw.uniform(0, math.pi / 2))),
                                     "at_m": draw.signed(0.6, 1.6), "reach_m": draw.uniform(0.25, 0.8)},
@@ -73,8 +76,8 @@ def excess_at(wall, x, y):
     return wall["size_m"] * np.exp(-away ** 2 / 2)
 
 
-def observed(effects, way, times, which, places):
-    """Range and bearing without single errors, of landmarks at these places."""
+def observed(effects, way, times, which, places, heights, delays):
+    """Range and bearing without single errors, of landmarks at these places and heights, with these delays in metres."""
     x, y, theta = way(times + effects.get("frame_latency", {}).get("latency_s", 0))
     shift = effects.get("mount_offset", {"x_m": 0, "y_m": 0})
     px, py = places[which].T
@@ -82,7 +85,8 @@ def observed(effects, way, times, which, places):
     dy = py - y - shift["x_m"] * np.sin(theta) - shift["y_m"] * np.cos(theta)
     distance = np.hypot(dx, dy)
     bearing = wrapped(np.arctan2(dy, dx) - theta - effects.get("mount_misalignment", {}).get("yaw_rad", 0))
-    seen = distance * (1 + effects.get("range_scale", {}).get("scale", 0))
+    distance = np.hypot(distance, heights[which] + outside.of(effects, "landmark_height", "z_m"))
+    seen = distance * (1 + effects.get("range_scale", {}).get("scale", 0)) + delays[which]
     seen = seen + effects.get("range_offset", {}).get("offset_m", 0)
     if "wall_excess" in effects:
         seen = seen + excess_at(effects["wall_excess"], x, y)
@@ -127,6 +131,12 @@ def landmarks(plan):
     there = places
     if "landmark_scatter" in effects:
         there = places + draw.of("scatter").normal(effects["landmark_scatter"]["sigma_m"], size=places.shape)
+    delays = draw.of("delays").normal(outside.of(effects, "landmark_delay", "sigma_m"), size=len(places))
+    # A map with heights, in every second pair of sets: the robot's tag may then also be higher than it says.
+    tall = plan.cause == "landmark_height" and plan.number % 4 >= 2
+    heights = draw.of("heights").uniform(0.3, 1.5, size=len(places)) if tall else np.zeros(len(places))
+    if tall and "landmark_height" in hidden:
+        hidden["landmark_height"]["z_m"] *= draw.of("up").choice((-0.5, 0.5))
     stated = draw.chance(0.6) or "range_wander" in effects
     seen_rows, pose_rows = [[] for _ in range(5)], [[] for _ in range(5)]
     for run in range(runs):
@@ -138,7 +148,7 @@ def landmarks(plan):
         times = np.round(np.sort(one.uniform(0, length_s, size=130)), 4)
         times = np.unique(times)
         which = np.floor(one.uniform(0, 8, size=len(times))).astype(int)
-        ranges, bearings, true = observed(effects, way, times, which, there)
+        ranges, bearings, true = observed(effects, way, times, which, there, heights, delays)
         if "range_wander" in effects:
             ranges = ranges + one.wander(times, effects["range_wander"]["sigma_m"], effects["range_wander"]["tau_s"])
         ranges = ranges + one.normal(noise["range_m"], size=len(times))
@@ -150,7 +160,8 @@ def landmarks(plan):
     tables = {"observations.csv": rows("run,time_s,landmark,range_m,bearing_rad", ("d", ".4f", "d", ".6f", ".7f"),
                                        *seen_rows),
               "poses.csv": rows("run,time_s,x_m,y_m,theta_rad", ("d", ".3f", ".6f", ".6f", ".7f"), *pose_rows),
-              "map.csv": rows("landmark,x_m,y_m", ("d", ".6f", ".6f"), range(8), *places.T.tolist())}
+              "map.csv": rows("landmark,x_m,y_m" + ",z_m" * tall, ("d", *[".6f"] * 3), range(8), *places.T.tolist(),
+                              *[heights.tolist()] * tall)}
     settings = ("group: run\n" + noise_line(stated, **noise)
                 + "files: {landmarks: map.csv, poses: poses.csv, observations: observations.csv}\n")
     ties = {"frame_latency": ["mount_offset"]} if plan.course == "tie" else {}

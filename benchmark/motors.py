@@ -121,12 +121,12 @@ def draw_motor(draw):
     return motor, rate, 0.3 * rate ** 2  # The last: acceleration at 0.3 rad from the command.
 
 
-def draw_effect(draw, name, motor, typical):
+def draw_effect(draw, name, motor, typical, alone=False):
     most = min(motor["stall_rad_per_s2"], 4 * typical)
     return {"gravity_torque": lambda: {"rad_per_s2": typical * draw.uniform(0.3, 0.8),
                                        "level_rad": draw.uniform(-1.5, 1.5)},
             "coulomb_friction": lambda: {"rad_per_s2": typical * draw.uniform(0.1, 0.4)},
-            "load_friction": lambda: {"fraction": draw.uniform(0.1, 0.3)},
+            "load_friction": lambda: {"fraction": draw.log_uniform(0.015, 0.3) if alone else draw.uniform(0.1, 0.3)},
             "torque_limit": lambda: {"rad_per_s2": draw.uniform(0.45, 0.7) * most},
             "servo_latency": lambda: {"latency_s": draw.uniform(0.003, 0.02)},
             "cogging": lambda: {"rad_per_s2": typical * draw.uniform(0.15, 0.3), "a_turn": draw.choice((12, 16, 20))},
@@ -155,7 +155,7 @@ def motors(plan):
     names = ["gravity_torque", "coulomb_friction"] if plan.course == "tie" else plan.names(draw, POSSIBLE)
     known = {} if plan.course == "tie" else {name: draw_effect(draw, name, motor, typical)
                                             for name in ("gravity_torque", "coulomb_friction") if name not in names}
-    hidden = {name: draw_effect(draw, name, motor, typical) for name in names}
+    hidden = {name: draw_effect(draw, name, motor, typical, bool(plan.cause)) for name in names}
     strange = plan.strange(STRANGE)
     effects = {"motor_servo": motor} | known | hidden
     traces = {}

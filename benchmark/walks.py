@@ -30,6 +30,10 @@ def draw_effect(draw, name):
             "base_scale": lambda: {"scale": draw.signed(0.01, 0.08)},
             "wheel_slip": lambda: {"per_radps": draw.uniform(0.03, 0.12)},
             "frame_latency": lambda: {"latency_s": draw.signed(0.03, 0.12)},
+            "wheel_growth": lambda: {"per_mps": draw.signed(0.005, 0.06)},
+            "wheel_load": lambda: {"per_mps2": draw.signed(0.01, 0.09)},
+            "encoder_skew": lambda: {"right_late_s": draw.signed(0.003, 0.02)},
+            "tracker_turn": lambda: {"yaw_rad": draw.signed(0.003, 0.04)},
             # Sideways in proportion to the square of the speed; slower with each second; a wheel that is not round.
             "crab walk": lambda: {"s_per_m": draw.signed(0.2, 0.5)},
             "tiring": lambda: {"per_s": draw.uniform(0.008, 0.02)},
@@ -125,6 +129,9 @@ def driven(effects, base, speeds, start):
     rolled = np.concatenate([np.zeros((1, 2)), np.cumsum(turned * FINE_S, 0)])
     scale = effects.get("wheel_scale", {})
     ground = turned * (1 + np.array([scale.get("left", 0), scale.get("right", 0)]))
+    # A tyre is larger the faster it turns, and smaller the more a turn presses it to the floor.
+    ground = ground * (1 + outside.of(effects, "wheel_growth", "per_mps") * np.abs(turned))
+    ground = ground * (1 + outside.of(effects, "wheel_load", "per_mps2") * np.outer(v * omega, (1, -1)))
     oval = effects.get("oval wheel")
     at = np.linspace(0, 1, len(ground))[:, None]
     ground = ground * (1 + outside.of(effects, "warm tyres", "share") * (1 - np.exp(-3 * at)))
@@ -151,8 +158,11 @@ def drive_rows(effects, base, draw, dt, count):
     speeds = wheel_speeds(draw, round(count * dt / FINE_S) + round(0.4 / FINE_S))
     speeds[:round(0.3 / FINE_S)] = 0.0
     rolled, way = driven(effects, base, speeds, draw.uniform(-3, 3))
-    counts = np.rint(rolled[::round(dt / FINE_S)][:count] / TICK_M).astype(int)
     times = np.arange(count) * dt
+    fine = np.arange(len(way)) * FINE_S
+    read = [times, times + outside.of(effects, "encoder_skew", "right_late_s")]  # When each wheel's counter is.
+    paths = [np.interp(at, fine, path) for at, path in zip(read, rolled.T)]
+    counts = np.rint(np.stack(paths, -1) / TICK_M).astype(int)
     at = np.maximum(times + late, 0) / FINE_S
     poses = np.stack([np.interp(at, np.arange(len(way)), column) for column in way.T], -1)
     return np.diff(counts, axis=0, prepend=counts[:1]), poses
@@ -182,7 +192,7 @@ def walks(plan):
         else:
             given = walk_commands(one, count, plan.course)
             poses = walked(effects | traces, given, dt, one)
-        poses[:, 2] = outside.said_heading(effects, poses[:, 2])
+        poses[:, 2] = outside.said_heading(effects, poses[:, 2]) + outside.of(effects, "tracker_turn", "yaw_rad")
         poses = poses + one.normal(size=poses.shape) * (sigma, sigma, turn_sigma)
         wrong = one.uniform(size=len(poses)) < plan.gross
         poses = poses + wrong[:, None] * one.normal(size=poses.shape) * (0.3, 0.3, 0.5)

@@ -54,6 +54,11 @@ def name(effect, *others, **values):
 
 
 class Generators(unittest.TestCase):
+    # Causes that are hidden in no other sort.
+    ALONE = ("heads+mount_sag", "heads+backlash", "heads+exposure", "heads+exposure_stamp", "wheels+encoder_skew", "wheels+wheel_growth",
+             "wheels+wheel_load", "walks+tracker_turn", "landmarks+landmark_delay", "landmarks+landmark_height",
+             "boards+view_motion", "boards+focus_variation", "flats+amplifier_glow")
+
     def test_draws_are_those_of_their_key(self):
         self.assertAlmostEqual(Draw("boards", 12).uniform(), FIRST_UNIFORM, places=15)
         self.assertEqual(Draw("a", 1).of("b").uniform(), Draw("a", 1, "b").uniform())
@@ -63,7 +68,7 @@ class Generators(unittest.TestCase):
             self.assertAlmostEqual(some.var() / mean, 1, delta=0.04)
 
     def test_each_sort_is_repeated_checked_and_at_its_noise(self):
-        for sort in (*kinds.SORTS, "imus+accel_vibration"):
+        for sort in (*kinds.SORTS, "imus+accel_vibration", *self.ALONE):
             with self.subTest(sort), tempfile.TemporaryDirectory() as scratch:
                 number = 1
                 first, again = (kinds.make_into(pathlib.Path(scratch) / part, sort, number) for part in ("a", "b"))
