@@ -128,10 +128,11 @@ inline constexpr int kOutlierRounds = 5;
 // what one moves alone. Of two effects of random sizes that act alike one pair in eleven does so.
 // A judgement.
 inline constexpr double kCancelled = 0.25;
-// A value that one group moves by more than so many of its errors, and by so many standard
-// deviations of what chance lets its information move it (in one of a million cases), is that
-// group's.
-inline constexpr double kManyErrors = 3, kManyScatters = 5;
+// A value that one group moves by more than so many of its errors, by so many standard deviations
+// of what chance lets its information move it (in one of a million cases), and by this share of
+// itself, is that group's: where it moves by less, its stated error is too small and its cause the
+// same. The share is a judgement.
+inline constexpr double kManyErrors = 3, kManyScatters = 5, kMadeShare = 0.1;
 
 // ---- Which comes first --------------------------------------------------------------------------
 

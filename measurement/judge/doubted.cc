@@ -131,6 +131,12 @@ Pulls pulls_of(const Problem& problem, const Assessment& best, const Evaluation&
   return pulls;
 }
 
+// How far a value is from where it does nothing.
+double size_of(const Assessment& best, size_t unknown) {
+  const double neutral = parameter_of(best, best.unknowns[unknown]).neutral;
+  return std::abs(best.fit.value[unknown] - (std::isfinite(neutral) ? neutral : 0));
+}
+
 // Values that one group alone makes: without it one step of Gauss and Newton leads many of their
 // errors away, and farther than chance lets so much information lead.
 void doubt_single_groups(const Problem& problem, const Assessment& best, const Evaluation& here,
@@ -154,9 +160,10 @@ void doubt_single_groups(const Problem& problem, const Assessment& best, const E
       const auto at = static_cast<Index>(k);
       const double chance =
           pulls.misfit * std::sqrt(std::max(without(at, at) - variance[at], 1e-12));
-      const double errors = std::abs(step[at]) * pulls.scale[at] / best.fit.sigma[unknown];
+      const double moved = std::abs(step[at]) * pulls.scale[at];
+      const double errors = moved / best.fit.sigma[unknown];
       if (place == named.size() || std::abs(step[at]) < kManyScatters * chance ||
-          !(errors > most[place]))
+          moved < kMadeShare * size_of(best, unknown) || !(errors > most[place]))
         continue;
       most[place] = errors;
       text[place] = fmt::format("{} moves by {:.2g} of its errors without {}",

@@ -67,12 +67,12 @@ TEST(Doubted, AValueBeyondWhatPeopleHave) {
 TEST(Doubted, AValueThatOneGroupMakes) {
   const auto line = [](const std::vector<double>& p, double x) { return p[0] * x; };
   Model none = made_model(of_size("line"), {0});
-  const auto doubts_with = [&](double slope_of_one) {
+  const auto doubts_with = [&](double slope_of_one, double slope_of_others = 0) {
     MadeProblem problem(evenly(-1, 1, 240), kNoiseOfLine, line);
     problem.deal_into(6);
     std::vector<double> y;
     for (size_t i = 0; i < 240; ++i)
-      y.push_back((i % 6 == 4 ? slope_of_one : 0) * problem.x()[i] +
+      y.push_back((i % 6 == 4 ? slope_of_one : slope_of_others) * problem.x()[i] +
                   kNoiseOfLine * normal({7, 3}, i));
     problem.take(std::move(y));
     Assessment best{.model = none, .unknowns = {{"line", 0}}};
@@ -82,6 +82,7 @@ TEST(Doubted, AValueThatOneGroupMakes) {
   };
   EXPECT_THAT(doubts_with(0.5), ElementsAre(HasSubstr("of its errors without g4")));
   EXPECT_THAT(doubts_with(0), IsEmpty());
+  EXPECT_THAT(doubts_with(4.5, 4), IsEmpty());  // All make it, and one a little more.
 }
 
 TEST(Doubted, AValueAtTheEndOfItsRange) {
