@@ -58,7 +58,9 @@ std::optional<Along> along_channel(const Vocabulary& vocabulary, const Problem& 
   if (values.empty()) return std::nullopt;
   Along along;
   for (size_t i = 0; i < facts.scalars(); ++i) {
-    if (!here.used[i] || facts.channels[facts.channel_of[i]].name != channel->second) continue;
+    if (!here.used[i] || facts.channels[facts.channel_of[i]].name != channel->second ||
+        !std::isfinite(values[facts.row_of[i]]))
+      continue;
     along.scalars.push_back(i);
     along.at.push_back(values[facts.row_of[i]]);
     along.weight.push_back(-1 / here.sigma[i]);
@@ -82,10 +84,11 @@ std::optional<Along> along_place(const Vocabulary& vocabulary,
   Along along;
   for (size_t i = 0; i < facts.scalars(); ++i) {
     const double slope = place->slopes[output][i];
-    if (slope == 0) continue;
     const auto row = static_cast<size_t>(facts.row_of[i]);
+    const double at = place->covariates[of_variable].values[row];
+    if (slope == 0 || !std::isfinite(at)) continue;
     along.scalars.push_back(i);
-    along.at.push_back(place->covariates[of_variable].values[row]);
+    along.at.push_back(at);
     along.weight.push_back(
         factor == "1" ? slope : std::copysign(slope, place->covariates[rate].values[row]));
   }

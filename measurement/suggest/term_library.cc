@@ -294,6 +294,7 @@ std::optional<Term> TermLibrary::best_bump(const Along& along) const {
 // Curves at places of a variable that has these values.
 void TermLibrary::add_curves(const Term& carrier, const std::string& variable,
                              std::vector<double> values) {
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });
   std::sort(values.begin(), values.end());
   if (values.size() < kLeastForWaves) return;
   const double span = values.back() - values.front();
