@@ -8,6 +8,10 @@ COLUMNS = ["Sort", "Sets", "Right", "by a declared tie", "False alarms, of sets 
            "Processor time (median, all)"]
 
 
+# Parameters that a formula has squared alone: their sign means nothing.
+EVEN = ("fall_u_per_px", "fall_v_per_px")
+
+
 @dataclasses.dataclass
 class Score:
     name: str
@@ -66,6 +70,8 @@ def deviations(truth, direct):
             off = pair[0] - true
             if parameter == "phase_rad" or parameter == "level_rad":
                 off = math.remainder(off, 2 * math.pi)
+            if parameter in EVEN:
+                off = abs(pair[0]) - abs(true)
             found.append((key, off / pair[1]))
     return found
 

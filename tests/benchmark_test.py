@@ -173,6 +173,9 @@ class Scores(unittest.TestCase):
         lag = truth({"servo_lag": {"tau_s": 0.02}})
         got = scores.score(lag, answers.answer([name("servo_lag", tau_s=[0.023, 0.002])]))
         self.assertEqual([(key, round(z, 6)) for key, z in got.deviations], [("servo_lag.tau_s", 1.5)])
+        glow = truth({"amplifier_glow": {"fall_u_per_px": 0.05}})
+        got_glow = scores.score(glow, answers.answer([name("amplifier_glow", fall_u_per_px=[-0.051, 0.001])]))
+        self.assertAlmostEqual(got_glow.deviations[0][1], 1)
         row = scores.row("servos", [got])
         self.assertEqual(row[scores.COLUMNS.index("Values within 1, 2, 10 errors")], "0, 1, 1 of 1")
 
