@@ -29,19 +29,6 @@ bool is_beside(const Candidate& candidate, const Grown& grown) {
          });
 }
 
-// The trace fitted beside a model; nothing where it is none any more, or gains nothing.
-std::optional<Candidate> fitted_beside(const Problem& problem, const Grown& grown,
-                                       const Candidate& trace, double looks, double material) {
-  std::vector<NotTestable> reasons;
-  auto candidate = try_effect(problem, grown, trace.effect, reasons);
-  if (!candidate) return std::nullopt;
-  const Evaluation here =
-      problem.evaluate_held_out(grown.assessment.model, problem.scored_groups());
-  judge(problem, grown, here, looks, material, *candidate);
-  if (!candidate->trace && !candidate->significant) return std::nullopt;
-  return candidate;
-}
-
 struct Misleading {
   Candidate trace;
   Moved moved;
@@ -97,6 +84,18 @@ std::vector<Misleading> that_mislead(const Problem& problem, const Grown& grown,
 }
 
 }  // namespace
+
+std::optional<Candidate> fitted_beside(const Problem& problem, const Grown& grown,
+                                       const Candidate& trace, double looks, double material) {
+  std::vector<NotTestable> reasons;
+  auto candidate = try_effect(problem, grown, trace.effect, reasons);
+  if (!candidate) return std::nullopt;
+  const Evaluation here =
+      problem.evaluate_held_out(grown.assessment.model, problem.scored_groups());
+  judge(problem, grown, here, looks, material, *candidate);
+  if (!candidate->trace && !candidate->significant) return std::nullopt;
+  return candidate;
+}
 
 Moved most_moved(const Assessment& without, const Assessment& with) {
   Moved most;

@@ -17,8 +17,13 @@ struct Moved {
 };
 Moved most_moved(const Assessment& without, const Assessment& with);
 
+// The trace fitted beside a model; nothing where it is none any more, or gains nothing. `looks` as
+// `judge` asks.
+std::optional<Candidate> fitted_beside(const Problem& problem, const Grown& grown,
+                                       const Candidate& trace, double looks, double material);
+
 // Fits those traces of the last look beside the best model that move a value by more than
-// kToldWrong of its errors, the worst first, each beside those before it. `looks` as `judge` asks.
+// kToldWrong of its errors, the worst first, each beside those before it.
 void keep_traces(const Problem& problem, double looks, SearchResult& result);
 
 // The best model with the traces of the last look beside it, the likeliest first, while each is one

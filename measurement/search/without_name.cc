@@ -6,6 +6,7 @@
 
 #include "measurement/judge/doubted.h"
 #include "measurement/search/choice.h"
+#include "measurement/search/kept.h"
 
 namespace seam::measurement {
 namespace {
@@ -55,6 +56,16 @@ void fit_steps_again(const Problem& problem, SearchResult& result) {
   }
 }
 
+void erase_steps(const Problem& problem, const std::vector<std::string>& names, Grown best,
+                 SearchResult& result) {
+  std::erase_if(result.steps, [&](const Step& step) {
+    return std::find(names.begin(), names.end(), step.effect) != names.end();
+  });
+  result.best = std::move(best);
+  result.kept.clear();
+  fit_steps_again(problem, result);
+}
+
 // Steps of the mean without which the model can be, of those that `asks` for.
 std::vector<std::string> steps_in_question(const SearchResult& result, const auto& asks) {
   const Model& model = result.best.assessment.model;
@@ -80,15 +91,29 @@ bool leave_out(const Problem& problem, const std::vector<std::string>& names, do
   if (!cause || cause->error_after > most_left) return false;
   if (result.mimics.empty()) result.mimics_error = result.best.assessment.error;
   result.mimics.insert(result.mimics.begin(), names.begin(), names.end());
-  std::erase_if(result.steps, [&](const Step& step) {
-    return std::find(names.begin(), names.end(), step.effect) != names.end();
-  });
-  result.best = std::move(less);
+  erase_steps(problem, names, std::move(less), result);
   result.unnamed = std::move(cause);
   result.unnamed->beside = result.steps.size();
-  result.kept.clear();
-  fit_steps_again(problem, result);
   return true;
+}
+
+// Steps go where what is too small to matter explains as much. Returns whether they went.
+bool give_way_to_trace(const Problem& problem, const std::vector<std::string>& names,
+                       SearchResult& result) {
+  if (result.last_traces.empty()) return false;
+  Grown less = result.best;
+  for (const std::string& name : names) less = without(less, name);
+  less.assessment = assess(problem, less.assessment.model, less.assessment.unknowns);
+  if (!less.assessment.valid) return false;
+  const double enough = result.best.assessment.total_ll - kTieWidth;
+  const double looks = std::max(1.0, result.first.tried);
+  for (const Candidate& trace : result.last_traces) {
+    const auto beside = fitted_beside(problem, less, trace, looks, result.material);
+    if (!beside || !beside->trace || beside->grown.assessment.total_ll < enough) continue;
+    erase_steps(problem, names, std::move(less), result);
+    return true;
+  }
+  return false;
 }
 
 // Beside a cause without a name a step may only stand for what smooth functions miss of it: one
@@ -177,8 +202,9 @@ void look_for_unnamed(const Problem& problem, SearchResult& result) {
 bool leave_out_doubted(const Problem& problem, SearchResult& result) {
   const std::vector<std::string> doubted =
       steps_in_question(result, [](const Step& step) { return !step.doubts.empty(); });
-  if (doubted.empty() ||
-      own_shares(problem, result.best.assessment, {doubted})[0] >= kOwnBesideUnnamed ||
+  if (doubted.empty()) return false;
+  if (give_way_to_trace(problem, doubted, result)) return true;
+  if (own_shares(problem, result.best.assessment, {doubted})[0] >= kOwnBesideUnnamed ||
       !leave_out(problem, doubted, kMisfit, result))
     return false;
   leave_out_mimics(problem, result);
