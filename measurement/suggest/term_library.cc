@@ -209,9 +209,9 @@ std::vector<TermLibrary::Worth> TermLibrary::worths() const {
     if (wave && gain > wave->parameters() * price) {
       const ByScalar column = derivative(*wave);
       ByScalar own = beyond(column);
-      if (own.empty()) continue;
-      if (along.arrives) set_coefficient(column, own, *wave);
-      worths.push_back({gain - wave->parameters() * price, *std::move(wave), std::move(own)});
+      if (along.arrives && !own.empty()) set_coefficient(column, own, *wave);
+      if (!own.empty())
+        worths.push_back({gain - wave->parameters() * price, *std::move(wave), std::move(own)});
     }
     if (const auto bump = best_bump(along)) worths.push_back(worth_of(*bump, derivative(*bump)));
   }
