@@ -14,10 +14,13 @@ namespace {
 
 class Proposer {
  public:
-  Proposer(const Problem& problem, const Assessment& base, const Vocabulary& vocabulary)
+  // `independent`: groups share no draws.
+  Proposer(const Problem& problem, const Assessment& base, const Vocabulary& vocabulary,
+           bool independent)
       : problem_(problem),
         base_(base),
         vocabulary_(vocabulary),
+        independent_(independent),
         library_(problem, base.model, vocabulary) {}
 
   std::optional<Formula> run(const Assessment* rival);
@@ -37,6 +40,7 @@ class Proposer {
   const Problem& problem_;
   const Assessment& base_;
   const Vocabulary& vocabulary_;
+  const bool independent_;
   TermLibrary library_;
 };
 
@@ -78,11 +82,11 @@ Formula Proposer::fitted_to(const Problem& problem, const Assessment& base,
 }
 
 // Held-out groups, or their blocks, or where these are few all groups: a term that some of them
-// alone ask for is no cause of all.
+// alone ask for is no cause of all. Groups that share draws, as a sensor's pattern, agree on these.
 bool Proposer::groups_agree(const Assessment& before, const Assessment& after) const {
   const Groups scored = problem_.scored_groups();
   const auto count = static_cast<size_t>(std::count(scored.begin(), scored.end(), 1));
-  if (count >= kGroupsForAgreement || !problem_.blocks().empty())
+  if (count >= kGroupsForAgreement || !problem_.blocks().empty() || !independent_)
     return root_gain_over_scatter(before.held, after.held, kGroupsForAgreement) > kAgreedFormula;
   const Groups all = problem_.all_groups();
   return root_gain_over_scatter(problem_.score(before.model, all), problem_.score(after.model, all),
@@ -150,7 +154,7 @@ std::optional<Formula> Proposer::run(const Assessment* rival) {
   while (found.terms.size() < kMostTerms) {
     work.done();
     const double error_before = found.assessment.error;
-    if (!grows(found)) break;
+    if (!grows(found) || found.assessment.error < 1) break;  // Then no more than noise is left.
     if (rival != nullptr && falls_behind(found.assessment, error_before, *rival)) break;
   }
   return found.terms.empty() ? std::nullopt : std::optional(without_needless(std::move(found)));
@@ -161,14 +165,15 @@ std::optional<Formula> Proposer::run(const Assessment* rival) {
 std::optional<Formula> formula_of(const Problem& problem, const Assessment& base,
                                   const Assessment* rival, const Vocabulary& vocabulary) {
   const Problem& seen = problem.with_residuals();
-  if (&seen == &problem) return Proposer(problem, base, vocabulary).run(rival);
+  const bool independent = problem.groups_are_independent(base.model);
+  if (&seen == &problem) return Proposer(problem, base, vocabulary, independent).run(rival);
   // Built from residuals that are means, and then fitted to what they are means of.
   std::vector<Unknown> of_mean;
   for (const Unknown& unknown : base.unknowns) {
     if (!base.model.find(unknown.effect)->definition->spread_only) of_mean.push_back(unknown);
   }
   const Assessment shown = assess(seen, base.model, of_mean);
-  Proposer proposer(seen, shown, vocabulary);
+  Proposer proposer(seen, shown, vocabulary, independent);
   auto found = proposer.run(rival);
   if (!found) return std::nullopt;
   Formula told = proposer.fitted_to(problem, base, std::move(found->terms));
