@@ -56,6 +56,14 @@ void fit_steps_again(const Problem& problem, SearchResult& result) {
   }
 }
 
+Grown fitted_without(const Problem& problem, const Grown& best,
+                     const std::vector<std::string>& names) {
+  Grown less = best;
+  for (const std::string& name : names) less = without(less, name);
+  less.assessment = assess(problem, less.assessment.model, less.assessment.unknowns);
+  return less;
+}
+
 void erase_steps(const Problem& problem, const std::vector<std::string>& names, Grown best,
                  SearchResult& result) {
   std::erase_if(result.steps, [&](const Step& step) {
@@ -83,9 +91,7 @@ std::vector<std::string> steps_in_question(const SearchResult& result, const aut
 // and leave no more than `most_left`. Returns whether they went.
 bool leave_out(const Problem& problem, const std::vector<std::string>& names, double most_left,
                SearchResult& result) {
-  Grown less = result.best;
-  for (const std::string& name : names) less = without(less, name);
-  less.assessment = assess(problem, less.assessment.model, less.assessment.unknowns);
+  Grown less = fitted_without(problem, result.best, names);
   if (!less.assessment.valid) return false;
   auto cause = unnamed_beside(problem, {less}, result.material);
   if (!cause || cause->error_after > most_left) return false;
@@ -101,9 +107,7 @@ bool leave_out(const Problem& problem, const std::vector<std::string>& names, do
 bool give_way_to_trace(const Problem& problem, const std::vector<std::string>& names,
                        SearchResult& result) {
   if (result.last_traces.empty()) return false;
-  Grown less = result.best;
-  for (const std::string& name : names) less = without(less, name);
-  less.assessment = assess(problem, less.assessment.model, less.assessment.unknowns);
+  Grown less = fitted_without(problem, result.best, names);
   if (!less.assessment.valid) return false;
   const double enough = result.best.assessment.total_ll - kTieWidth;
   const double looks = std::max(1.0, result.first.tried);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "measurement/judge/decisions.h"
 
@@ -25,13 +24,6 @@ const FieldPlace* place_of(const Vocabulary& vocabulary, const std::vector<Field
     found = &place;
   }
   return found;
-}
-
-// What stands before the curve: "sign(rate) * @" has "sign(rate)"; "1": nothing.
-std::string factor_of(const std::string& carrier) {
-  const size_t at = carrier.rfind(" * @");
-  if (at != std::string::npos && at + 4 == carrier.size()) return carrier.substr(0, at);
-  return carrier == "@" ? "1" : "";
 }
 
 }  // namespace
@@ -78,9 +70,10 @@ std::optional<Along> along_place(const Vocabulary& vocabulary,
   const size_t output = index_in(outputs, carrier.pieces[0].output);
   const size_t of_variable = index_in(variables, variable);
   if (output == outputs.size() || of_variable == variables.size()) return std::nullopt;
-  const std::string factor = factor_of(carrier.pieces[0].text);
+  const std::string& text = carrier.pieces[0].text;
+  const bool by_sign = text == "sign(rate) * @";
   const size_t rate = index_in(variables, "rate");
-  if (factor != "1" && (factor != "sign(rate)" || rate == variables.size())) return std::nullopt;
+  if (by_sign ? rate == variables.size() : text != "@") return std::nullopt;
   Along along;
   for (size_t i = 0; i < facts.scalars(); ++i) {
     const double slope = place->slopes[output][i];
@@ -89,8 +82,8 @@ std::optional<Along> along_place(const Vocabulary& vocabulary,
     if (slope == 0 || !std::isfinite(at)) continue;
     along.scalars.push_back(i);
     along.at.push_back(at);
-    along.weight.push_back(
-        factor == "1" ? slope : std::copysign(slope, place->covariates[rate].values[row]));
+    along.weight.push_back(by_sign ? std::copysign(slope, place->covariates[rate].values[row])
+                                   : slope);
   }
   if (along.at.size() < kLeastForWaves) return std::nullopt;
   along.arrives = [place_arrives = place->arrives, scalars = along.scalars,
