@@ -9,8 +9,8 @@
 
 #include "measurement/fitting/assess.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/kinds/points/views_testing.h"
 #include "measurement/suggest/suggest.h"
-#include "sim_core/base/output.h"
 #include "sim_core/base/random.h"
 
 namespace seam::measurement {
@@ -22,10 +22,8 @@ using MovesPixel = void (*)(double& u_px, double& v_px);
 
 // Twelve views of 9 x 7 corners, 640 x 480 pixels, with a noise of 0.1 pixels.
 std::filesystem::path moved_views(const std::string& name, MovesPixel moves) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / name;
-  std::filesystem::create_directories(folder);
   const RandomStream lot = RandomStream{.seed = 5}.child(name);
-  std::string rows = "frame,time_s,point,x_m,y_m,z_m,u_px,v_px\n";
+  std::string rows;
   uint64_t draw = 0;
   const auto within = [&](double limit) { return limit * (2 * uniform(lot, draw++) - 1); };
   for (int frame = 0; frame < 12; ++frame) {
@@ -44,13 +42,7 @@ std::filesystem::path moved_views(const std::string& name, MovesPixel moves) {
           fmt::format("{},{},{},{:.6f},{:.6f},0,{:.4f},{:.4f}\n", frame, frame, point, a, b, u, v);
     }
   }
-  write_file_atomically(folder / "points.csv", rows);
-  write_file_atomically(folder / "measurement.yaml",
-                        "format: seam-measurement/1\nkind: points\n"
-                        "camera: {width_px: 640, height_px: 480}\n"
-                        "noise: {u_px: 0.1, v_px: 0.1}\n"
-                        "group: frame\nfiles: {points: points.csv}\nrig: {pose: unknown}\n");
-  return folder;
+  return write_views(name, rows, "noise: {u_px: 0.1, v_px: 0.1}\n");
 }
 
 std::string formula_of_views(const std::string& name, MovesPixel moves) {

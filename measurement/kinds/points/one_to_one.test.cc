@@ -9,7 +9,7 @@
 
 #include "effects/registry.h"
 #include "measurement/kinds/kinds.h"
-#include "sim_core/base/output.h"
+#include "measurement/kinds/points/views_testing.h"
 #include "sim_core/base/random.h"
 
 namespace seam::measurement {
@@ -27,9 +27,7 @@ Model model_of(const std::string& more) {
 
 // Views of a board by a camera whose focal length is another one in each.
 std::filesystem::path made() {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "one-to-one";
-  std::filesystem::create_directories(folder);
-  std::string rows = "frame,time_s,point,x_m,y_m,z_m,u_px,v_px\n";
+  std::string rows;
   for (int frame = 0; frame < 16; ++frame) {
     const double around = 2.4 * frame, tilt = 0.5 * (frame % 3 == 0 ? 0.4 : 1);
     const double yaw = tilt * std::cos(around), pitch = tilt * std::sin(around);
@@ -49,12 +47,7 @@ std::filesystem::path made() {
           fmt::format("{},{},{},{:.4f},{:.4f},0,{:.4f},{:.4f}\n", frame, frame, point, a, b, u, v);
     }
   }
-  write_file_atomically(folder / "points.csv", rows);
-  write_file_atomically(folder / "measurement.yaml",
-                        "format: seam-measurement/1\nkind: points\n"
-                        "camera: {width_px: 640, height_px: 480}\ngroup: frame\n"
-                        "files: {points: points.csv}\nrig: {pose: unknown}\n");
-  return folder;
+  return write_views("one-to-one", rows);
 }
 
 TEST(OneToOne, ALensWithAPoleInItsImageIsSaid) {

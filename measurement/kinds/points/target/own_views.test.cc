@@ -7,8 +7,8 @@
 #include <filesystem>
 
 #include "measurement/kinds/kinds.h"
+#include "measurement/kinds/points/views_testing.h"
 #include "measurement/search/search.h"
-#include "sim_core/base/output.h"
 #include "sim_core/base/random.h"
 
 namespace seam::measurement {
@@ -23,9 +23,7 @@ struct Spreads {
 
 // 24 views of 9 x 6 corners, 600 px in 640 x 480.
 std::filesystem::path made(const std::string& name, const Spreads& spreads, uint64_t seed) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / ("own-views-" + name);
-  std::filesystem::create_directories(folder);
-  std::string rows = "frame,time_s,point,x_m,y_m,z_m,u_px,v_px\n";
+  std::string rows;
   for (int frame = 0; frame < 24; ++frame) {
     const auto own = [&](int k) { return normal({seed, 1}, static_cast<uint64_t>(8 * frame + k)); };
     const double focal = 600 * (1 + spreads.focal * own(0));
@@ -54,12 +52,7 @@ std::filesystem::path made(const std::string& name, const Spreads& spreads, uint
           fmt::format("{},{},{},{:.6f},{:.6f},0,{:.4f},{:.4f}\n", frame, frame, point, a, b, u, v);
     }
   }
-  write_file_atomically(folder / "points.csv", rows);
-  write_file_atomically(folder / "measurement.yaml",
-                        "format: seam-measurement/1\nkind: points\n"
-                        "camera: {width_px: 640, height_px: 480}\ngroup: frame\n"
-                        "files: {points: points.csv}\nrig: {pose: unknown}\n");
-  return folder;
+  return write_views("own-views-" + name, rows);
 }
 
 SearchResult searched(const std::filesystem::path& folder) {
