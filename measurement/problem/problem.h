@@ -27,7 +27,7 @@ struct FieldPlace {
   std::vector<std::vector<double>> slopes;  // Of residuals over sigma, by direction and scalar.
   std::vector<Covariate> covariates;
   std::vector<int> part_of_row;  // A function of its own for each part, such as a view; empty: one.
-  std::string part;              // What a part is: "view".
+  std::string part;              // What a part is ("view"), or what else the slopes depend on.
   // No parameter does what a function that is the same everywhere does: functions have a level.
   bool has_level = false;
   // What effects with names do there, as slopes are: it comes with a function, whose evidence is

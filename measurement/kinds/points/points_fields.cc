@@ -1,5 +1,6 @@
 // Where causes without a name may act on points, beside the image as a whole: by the place within a
 // pixel, as detectors of corners err, and on the target, as one that is not what its plan says.
+#include <algorithm>
 #include <cmath>
 
 #include "effects/stages/target.h"
@@ -11,6 +12,23 @@ namespace seam::measurement {
 namespace {
 
 constexpr double kStep_m = 1e-6;
+
+// From slopes by a shift of each point along three axes those by a shift across its ray, which
+// moves its image by focal length over distance: the direction in which it moves least.
+std::vector<std::vector<double>> slopes_by_shift_of_ray(
+    const std::vector<std::vector<double>>& of_point) {
+  const size_t scalars = of_point[0].size();
+  std::vector<std::vector<double>> slopes(2, std::vector<double>(scalars, 0));
+  for (size_t i = 0; i + 1 < scalars; i += 2) {
+    double uu = 0, uv = 0, vv = 0;
+    for (const std::vector<double>& along : of_point) {
+      uu += along[i] * along[i], uv += along[i] * along[i + 1], vv += along[i + 1] * along[i + 1];
+    }
+    const double least = 0.5 * (uu + vv - std::hypot(uu - vv, 2 * uv));
+    slopes[0][i] = slopes[1][i + 1] = std::sqrt(std::max(least, 0.0));
+  }
+  return slopes;
+}
 
 }  // namespace
 
@@ -36,10 +54,14 @@ std::vector<FieldPlace> PointsProblem::field_places(const Model& model,
                         .part_of_row = data_.view_of_row,
                         .part = "view"};
   std::vector<FieldPlace> places = {std::move(pixel), view};
-  if (data_.rig.type() != Rig::Type::unknown || effects::target_of(model).has_draws())
-    return places;
+  if (data_.rig.type() != Rig::Type::unknown) return places;
   FieldPlace target{.slopes =
                         moves() ? slopes_on_path(model, here) : slopes_of_target(model, here)};
+  // A pane before the lens, or a lens that has no one viewpoint: rays are shifted aside.
+  places.push_back({.slopes = slopes_by_shift_of_ray(target.slopes),
+                    .covariates = view.covariates,
+                    .part = "distance"});
+  if (effects::target_of(model).has_draws()) return places;
   for (int axis = 0; axis < 3; ++axis) {
     Covariate along{.name = std::string("target ") + "xyz"[axis]};
     for (const Vec3& point : data_.p_W) along.values.push_back(point[axis]);

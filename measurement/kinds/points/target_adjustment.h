@@ -179,6 +179,8 @@ class TargetAdjustment {
   Eigen::Vector3d mean(size_t point) const;
   // The draws' blocks with poses as they stand, for the used rows.
   PairedBlocks blocks_of_draws(const std::vector<size_t>& used) const;
+  double log_det_of_pose(size_t frame) const;
+  Eigen::MatrixXd left_by_pose(size_t frame) const;
   std::vector<double> left_with_draws(const std::vector<size_t>& used) const;
 
   Given given_;

@@ -21,6 +21,10 @@ Matrix3d triangle(const Matrix3d& m) {
   return m.llt().matrixL();
 }
 
+double log_det(const MatrixXd& m) {
+  return 2 * m.llt().matrixLLT().diagonal().array().log().sum();
+}
+
 }  // namespace
 
 void TargetAdjustment::tell_residuals(Evaluation& evaluation) const {
@@ -75,6 +79,27 @@ PairedBlocks TargetAdjustment::blocks_of_draws(const std::vector<size_t>& used) 
   return draws;
 }
 
+// How much less log det S is over what a view's pose cannot follow: what it can, it takes, and that
+// says nothing of the view's draws.
+double TargetAdjustment::log_det_of_pose(size_t frame) const {
+  const Index poses = pose_unknowns(), extras = state_.extra[frame].size();
+  if (poses == 0 || extras == 0) return 0;
+  const MatrixXd& view = blocks_->of_view(frame);
+  const double less = log_det(view) - log_det(view.topLeftCorner(poses, poses)) -
+                      log_det(view.bottomRightCorner(extras, extras));
+  return std::isfinite(less) ? less : 0;
+}
+
+// By how much larger covariances of a view's draws are because its pose follows them.
+MatrixXd TargetAdjustment::left_by_pose(size_t frame) const {
+  const Index poses = pose_unknowns(), extras = state_.extra[frame].size();
+  if (poses == 0 || extras == 0) return MatrixXd::Zero(extras, extras);
+  const MatrixXd& view = blocks_->of_view(frame);
+  const MatrixXd more = view.inverse().bottomRightCorner(extras, extras) -
+                        view.bottomRightCorner(extras, extras).inverse();
+  return more.allFinite() ? more : MatrixXd::Zero(extras, extras);
+}
+
 void TargetAdjustment::whiten(Evaluation& evaluation) const {
   const std::vector<size_t> used = used_rows();
   for (size_t k = 0; k < used.size(); ++k) {
@@ -91,6 +116,7 @@ void TargetAdjustment::whiten(Evaluation& evaluation) const {
   PairedBlocks draws = blocks_of_draws(used);
   for (size_t frame = 0; frame < state_.extra.size(); ++frame) {
     if (!given_.frames[frame]) continue;
+    evaluation.shared_log_det += log_det_of_pose(frame);
     for (Index i = 0; i < state_.extra[frame].size(); ++i) {
       evaluation.whitened.push_back(state_.extra[frame][i]);
       evaluation.absorbed += 1 - 1 / draws.of_view(frame)(i, i);
@@ -257,9 +283,9 @@ TargetAdjustment::DrawsSums TargetAdjustment::sums() const {
   const std::vector<MatrixXd> of_views = draws.view_covariances();
   for (size_t frame = 0; frame < of_views.size(); ++frame) {
     if (!given_.frames[frame]) continue;
+    const MatrixXd covariance = of_views[frame] + left_by_pose(frame);
     const auto add = [&](Index at, Index size, DrawsSum& sum) {
-      const MatrixXd told =
-          MatrixXd::Identity(size, size) - of_views[frame].block(at, at, size, size);
+      const MatrixXd told = MatrixXd::Identity(size, size) - covariance.block(at, at, size, size);
       sum.freedom += told.trace();
       sum.information += 2 * (told * told).trace();
     };

@@ -1,6 +1,8 @@
 // What differs from view to view, a focal length or a motion while the rows are read: found as that
-// in sets that are made here by formulas of their own, and not where there is none.
+// in sets that are made here by formulas of their own, and not where there is none, nor where a
+// pane before the lens shifts rays.
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,6 +21,8 @@ constexpr int kColumns = 9, kCorners = kColumns * 6;
 struct Spreads {
   double focal = 0;                // Of a view's focal length, as a share.
   double way_m = 0, turn_rad = 0;  // While an image is read.
+  double aside_m = 0;              // Of rays at the image's edge, by a pane before the lens.
+  bool facing = false;             // The board stands square to the axis.
 };
 
 // 24 views of 9 x 6 corners, 600 px in 640 x 480.
@@ -27,7 +31,8 @@ std::filesystem::path made(const std::string& name, const Spreads& spreads, uint
   for (int frame = 0; frame < 24; ++frame) {
     const auto own = [&](int k) { return normal({seed, 1}, static_cast<uint64_t>(8 * frame + k)); };
     const double focal = 600 * (1 + spreads.focal * own(0));
-    const double around = 2.4 * frame, tilt = frame % 3 == 0 ? 0.25 : 0.6, roll = 0.7 * frame;
+    const double around = 2.4 * frame, roll = 0.7 * frame;
+    const double tilt = spreads.facing ? 0 : frame % 3 == 0 ? 0.25 : 0.6;
     const double yaw = tilt * std::cos(around), pitch = tilt * std::sin(around);
     for (int point = 0; point < kCorners; ++point) {
       const double a = 0.03 * (point % kColumns - 4), b = 0.03 * (point / kColumns - 2.5);
@@ -40,7 +45,8 @@ std::filesystem::path made(const std::string& name, const Spreads& spreads, uint
       for (int round = 0; round < 20; ++round) {  // The row says how far the point has come.
         const double part = v / 480 - 0.5, way = part * spreads.way_m,
                      turn = part * spreads.turn_rad;
-        const double x = x3 + way * own(1) + turn * (own(5) * z3 - own(6) * y2),
+        const double aside = spreads.aside_m * std::pow(x3 / z3 / 0.53 + 0.5, 2);
+        const double x = x3 + aside + way * own(1) + turn * (own(5) * z3 - own(6) * y2),
                      y = y2 + way * own(2) + turn * (own(6) * x3 - own(4) * z3),
                      z = z3 + way * own(3) + turn * (own(4) * y2 - own(5) * x3);
         u = focal * x / z + 319.5, v = focal * y / z + 239.5;
@@ -86,6 +92,29 @@ TEST(OwnViews, AMotionOfEachIsFoundWithItsSpreads) {
   EXPECT_NEAR(model.find("view_motion")->value("turn_sigma_rad"), 0.007, 0.002);
   EXPECT_NEAR(model.find("pinhole")->value("fx_px"), 600, 4 * 0.5);
   EXPECT_NEAR(result.best.assessment.error, 1, 0.06);
+}
+
+// A pane does not bend each view in a way of its own: what it does counts the more the nearer.
+TEST(OwnViews, APaneIsNoMotion) {
+  const SearchResult result = searched(made("pane", {.aside_m = 0.006}, 7));
+  EXPECT_TRUE(result.steps.empty()) << result.best.assessment.model.to_yaml();
+  ASSERT_TRUE(result.unnamed);
+  EXPECT_THAT(result.unnamed->depends_on[0], testing::Contains("distance"));
+  EXPECT_LT(result.unnamed->error_after, 1.1);
+}
+
+// A board square to the axis is nearer as well as seen by a longer focal length.
+TEST(OwnViews, WhatPosesCanFollowSaysNothingOfASpread) {
+  const auto problem = open_problem(made("facing", {.facing = true}, 4));
+  const auto likelihood = [&](const std::string& more) {
+    const Model model = Model::from_config(ConfigNode::from_text(
+        "format: seam-model/1\neffects: {pinhole: {fx_px: 600, fy_px: 600, cx_px: 319.5, cy_px: "
+        "239.5}" +
+            more + "}\n",
+        "model"));
+    return problem->score(model, problem->all_groups()).log_likelihood;
+  };
+  EXPECT_NEAR(likelihood(", focus_variation: {sigma: 0.015}"), likelihood(""), 0.5);
 }
 
 TEST(OwnViews, NothingIsFoundWhereTheyAreAlike) {
