@@ -23,9 +23,10 @@ struct Directions {
 
 }  // namespace
 
-RandomEffect random_effect(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right) {
-  const SymmetricEigen eigen = symmetric_eigen(gram);
-  const Directions directions{eigen.values, eigen.vectors.transpose() * right};
+RandomEffect random_effect(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right,
+                           const Eigen::VectorXd& ratios) {
+  const SymmetricEigen eigen = symmetric_eigen(ratios.asDiagonal() * gram * ratios.asDiagonal());
+  const Directions directions{eigen.values, eigen.vectors.transpose() * ratios.cwiseProduct(right)};
   // From an effect far below what any data show to one far above: two steps a decade, then nearer.
   // A wider one would be told by directions that are nothing but rounding (1e-16 of the strongest).
   double best = 0, most = 0, step = std::log(10) / 2;
@@ -41,14 +42,15 @@ RandomEffect random_effect(const Eigen::MatrixXd& gram, const Eigen::VectorXd& r
     const double centre = best;
     look(centre - 0.5 * step), look(centre + 0.5 * step);
   }
-  const double size = std::exp(0.5 * best);
-  return {size, most, coefficients_of(gram, right, size)};
+  Eigen::VectorXd spread = std::exp(0.5 * best) * ratios;
+  Eigen::VectorXd coefficients = coefficients_of(gram, right, spread);
+  return {std::move(spread), most, std::move(coefficients)};
 }
 
 Eigen::VectorXd coefficients_of(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right,
-                                double size) {
+                                const Eigen::VectorXd& spread) {
   Eigen::MatrixXd information = gram;
-  information.diagonal().array() += 1 / (size * size);
+  information.diagonal().array() += spread.array().square().inverse();
   return solve_symmetric(information, right);
 }
 

@@ -29,17 +29,25 @@ Data drawn(double size, uint64_t seed) {
   return data;
 }
 
-RandomEffect effect_of(const Data& data) {
-  return random_effect(data.columns.transpose() * data.columns,
-                       data.columns.transpose() * data.residuals);
+// Each coefficient's spread is a fifth less than that of the one before it.
+Eigen::VectorXd ratios_of(const Data& data) {
+  Eigen::VectorXd ratios(data.columns.cols());
+  for (Eigen::Index k = 0; k < ratios.size(); ++k)
+    ratios[k] = std::pow(0.8, static_cast<double>(k));
+  return ratios;
 }
 
-// ln of the normal density of the residuals with covariance 1 + size^2 columns columns', but for a
-// constant.
-double log_density(const Data& data, double size) {
+RandomEffect effect_of(const Data& data) {
+  return random_effect(data.columns.transpose() * data.columns,
+                       data.columns.transpose() * data.residuals, ratios_of(data));
+}
+
+// ln of the normal density of the residuals with coefficients of these spreads, but for a constant.
+double log_density(const Data& data, const Eigen::VectorXd& spread) {
   const Eigen::Index n = data.residuals.size();
   const Eigen::MatrixXd covariance =
-      Eigen::MatrixXd::Identity(n, n) + size * size * data.columns * data.columns.transpose();
+      Eigen::MatrixXd::Identity(n, n) +
+      data.columns * spread.array().square().matrix().asDiagonal() * data.columns.transpose();
   const Eigen::LLT<Eigen::MatrixXd> root(covariance);
   const Eigen::MatrixXd lower = root.matrixL();
   return -0.5 * data.residuals.dot(root.solve(data.residuals)) -
@@ -49,8 +57,9 @@ double log_density(const Data& data, double size) {
 TEST(RandomEffect, GainIsTheRatioOfTheNormalDensities) {
   const Data data = drawn(0.4, 3);
   const RandomEffect effect = effect_of(data);
-  ASSERT_GT(effect.size, 0);
-  EXPECT_NEAR(effect.log_evidence, log_density(data, effect.size) - log_density(data, 0), 1e-6);
+  ASSERT_EQ(effect.spread.size(), data.columns.cols());
+  EXPECT_NEAR(effect.log_evidence,
+              log_density(data, effect.spread) - log_density(data, 0 * effect.spread), 1e-6);
 }
 
 // Columns that differ by rounding alone tell no size: what they seem to gain is not there.
@@ -74,9 +83,10 @@ TEST(RandomEffect, ItsSizeIsTheLikeliest) {
   const Data data = drawn(0.4, 4);
   const RandomEffect effect = effect_of(data);
   for (double factor = 0.05; factor < 20; factor *= 1.1)
-    EXPECT_LE(log_density(data, factor * effect.size), log_density(data, effect.size) + 1e-3);
-  EXPECT_GT(effect.size, 0.15);
-  EXPECT_LT(effect.size, 1);
+    EXPECT_LE(log_density(data, factor * effect.spread), log_density(data, effect.spread) + 1e-3);
+  EXPECT_TRUE(effect.spread.isApprox(effect.spread[0] * ratios_of(data)));
+  EXPECT_GT(effect.spread[0], 0.15);
+  EXPECT_LT(effect.spread[0], 1.5);
 }
 
 TEST(RandomEffect, NoiseAloneGainsNextToNothing) {
@@ -89,11 +99,11 @@ TEST(RandomEffect, CoefficientsAreTheMeanGivenTheData) {
   const Data data = drawn(0.4, 5);
   const RandomEffect effect = effect_of(data);
   // Of jointly normal b and r: cov(b, r) var(r)^-1 r.
-  const double variance = effect.size * effect.size;
-  const Eigen::MatrixXd covariance =
-      Eigen::MatrixXd::Identity(60, 60) + variance * data.columns * data.columns.transpose();
-  const Eigen::VectorXd mean = variance * data.columns.transpose() *
-                               Eigen::LLT<Eigen::MatrixXd>(covariance).solve(data.residuals);
+  const Eigen::MatrixXd of_both =
+      effect.spread.array().square().matrix().asDiagonal() * data.columns.transpose();
+  const Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(60, 60) + data.columns * of_both;
+  const Eigen::VectorXd mean =
+      of_both * Eigen::LLT<Eigen::MatrixXd>(covariance).solve(data.residuals);
   EXPECT_LT((mean - effect.coefficients).norm(), 1e-8 * mean.norm());
 }
 

@@ -163,7 +163,7 @@ std::vector<std::string> names_of(const SmoothField& field) {
   return names;
 }
 
-Columns columns_of(const Facts& facts, const SmoothField& field) {
+FieldColumns columns_of(const Facts& facts, const SmoothField& field) {
   const Basis basis = basis_of(field);
   const std::vector<int>& part_of_row = field.place->part_of_row;
   const size_t parts =
@@ -172,16 +172,20 @@ Columns columns_of(const Facts& facts, const SmoothField& field) {
           : 1 + static_cast<size_t>(*std::max_element(part_of_row.begin(), part_of_row.end()));
   if (parts > 1 && parts * basis.values.size() * field.place->slopes.size() > kMostColumns)
     return {};
-  // Variances fall with the square of the order: a field is smooth.
-  double sum = 0;
-  for (const double order : basis.order) sum += 1 / (1 + order * order);
+  double sum2 = 0, sum4 = 0;
+  for (const double order : basis.order) {
+    const double fall = 1 / (1 + order * order);
+    sum2 += fall, sum4 += fall * fall;
+  }
   const double size = size_of(*field.place);
-  Columns columns;
+  FieldColumns columns;
   for (size_t part = 0; part < parts; ++part) {
     for (size_t k = 0; k < basis.values.size(); ++k) {
-      const double weight = 1 / std::sqrt((1 + basis.order[k] * basis.order[k]) * sum) / size;
+      const double fall = 1 / std::sqrt(1 + basis.order[k] * basis.order[k]);
+      const double weight = fall / std::sqrt(sum2) / size;
       for (const std::vector<double>& slope : field.place->slopes) {
-        std::vector<double>& column = columns.emplace_back(slope);
+        std::vector<double>& column = columns.values.emplace_back(slope);
+        columns.smoother.push_back(fall * std::sqrt(sum2 / sum4));
         for (size_t i = 0; i < column.size(); ++i) {
           const auto row = static_cast<size_t>(facts.row_of[i]);
           const bool here = parts == 1 || part_of_row[row] == static_cast<int>(part);

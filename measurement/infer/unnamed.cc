@@ -44,7 +44,8 @@ class Residuals {
   // A function's columns, without what follows them, and what they gain.
   struct Function {
     MatrixXd columns, gram;
-    MatrixXd named;  // Orthonormal: of FieldPlace::named.
+    VectorXd smoother;  // FieldColumns::smoother.
+    MatrixXd named;     // Orthonormal: of FieldPlace::named.
     std::array<MatrixXd, kParts> gram_of_part;
     RandomEffect effect;
   };
@@ -125,11 +126,14 @@ MatrixXd Residuals::own_of(const std::vector<std::vector<double>>& columns) cons
 }
 
 Residuals::Function Residuals::function_of(const SmoothField& field) const {
-  auto columns = columns_of(problem_.facts(), field);
-  if (columns.empty()) return {};
-  columns = problem_.following(model_, problem_.all_groups(), here_, std::move(columns));
+  FieldColumns made = columns_of(problem_.facts(), field);
+  if (made.values.empty()) return {};
+  const auto columns =
+      problem_.following(model_, problem_.all_groups(), here_, std::move(made.values));
   const auto count = static_cast<Index>(columns.size());
-  Function function{.columns = own_of(columns), .gram = MatrixXd::Zero(count, count)};
+  Function function{.columns = own_of(columns),
+                    .gram = MatrixXd::Zero(count, count),
+                    .smoother = Eigen::Map<const VectorXd>(made.smoother.data(), count)};
   if (!field.place->named.empty()) {
     function.named = column_basis(own_of(field.place->named), 1e-6);
     function.columns -= function.named * (function.named.transpose() * function.columns);
@@ -161,7 +165,7 @@ double Residuals::held_out_gain(const Function& function) const {
   for (int part = 0; part < kParts; ++part) {
     const MatrixXd& gram = function.gram_of_part[part];
     const VectorXd right = rows_of(function.columns, part).transpose() * rows_of(rest, part);
-    const VectorXd b = coefficients_of(function.gram - gram, all - right, function.effect.size);
+    const VectorXd b = coefficients_of(function.gram - gram, all - right, function.effect.spread);
     gain += right.dot(b) - 0.5 * b.dot(gram * b);
   }
   return gain;
@@ -185,13 +189,19 @@ std::optional<UnnamedCause> Residuals::best_cause(std::vector<TriedFunction>* tr
   parallel_for(fields.size(), [&](size_t f) { functions[f] = function_of(fields[f]); });
   const VectorXd first = rest_;
   const auto count = static_cast<double>(scalars_.size());
+  // Each field is two looks.
+  const double price = std::log(2.0 * static_cast<double>(fields.size()));
   UnnamedCause cause;
   for (int k = 0; k < kMostFunctions; ++k) {
     parallel_for(fields.size(), [&](size_t f) {
       Function& function = functions[f];
       function.effect = {};
       if (function.columns.cols() == 0) return;
-      function.effect = random_effect(function.gram, function.columns.transpose() * rest_);
+      const VectorXd right = function.columns.transpose() * rest_;
+      for (const VectorXd& ratios : {VectorXd(VectorXd::Ones(right.size())), function.smoother}) {
+        RandomEffect effect = random_effect(function.gram, right, ratios);
+        if (effect.log_evidence > function.effect.log_evidence) function.effect = std::move(effect);
+      }
       if (function.effect.log_evidence > kLeastGain && held_out_gain(function) <= 0)
         function.effect.log_evidence = 0;
       if (function.effect.log_evidence > kLeastGain)
@@ -199,16 +209,12 @@ std::optional<UnnamedCause> Residuals::best_cause(std::vector<TriedFunction>* tr
     });
     for (size_t f = 0; k == 0 && tried != nullptr && f < fields.size(); ++f)
       note_tried(names_of(fields[f]), functions[f].columns.cols() > 0,
-                 functions[f].effect.log_evidence - std::log(static_cast<double>(fields.size())),
-                 *tried);
+                 functions[f].effect.log_evidence - price, *tried);
     const auto best = std::max_element(functions.begin(), functions.end(),
                                        [](const Function& a, const Function& b) {
                                          return a.effect.log_evidence < b.effect.log_evidence;
                                        });
-    // Each field is one look.
-    const double gain = best == functions.end() ? 0
-                                                : best->effect.log_evidence -
-                                                      std::log(static_cast<double>(fields.size()));
+    const double gain = best == functions.end() ? 0 : best->effect.log_evidence - price;
     if (gain < kLeastGain) break;
     cause.lead += gain;
     const auto names = names_of(fields[static_cast<size_t>(best - functions.begin())]);
@@ -248,30 +254,30 @@ bool same_values(const Model& a, const Model& b) {
   });
 }
 
-// The cause beside an explanation; its lead is on the last one. `other_noise` is its model with
-// another noise than its own.
-std::optional<UnnamedCause> cause_beside(const Problem& problem, const Explanation& explanation,
-                                         const Explanation& last, std::vector<TriedFunction>* tried,
-                                         const Model* other_noise = nullptr) {
-  double ahead = explanation.log_evidence - last.log_evidence;
-  if (!std::isfinite(ahead)) return std::nullopt;
+// The best cause beside an explanation; its lead is what it gains.
+struct Beside {
+  double log_evidence = 0;  // Of the explanation, its own parameters fitted to all groups.
+  std::optional<UnnamedCause> cause;
+};
+
+// `other_noise` is the explanation's model with another noise than its own.
+Beside cause_beside(const Problem& problem, const Explanation& explanation,
+                    std::vector<TriedFunction>* tried, const Model* other_noise = nullptr) {
+  Beside out{.log_evidence = explanation.log_evidence};
   const Assessment& assessment = *explanation.assessment;
   const Model& model = other_noise != nullptr ? *other_noise : assessment.model;
-  Residuals residuals(problem.with_residuals(), model, assessment.unknowns);
-  if (!residuals.valid()) return std::nullopt;
-  std::optional<UnnamedCause> cause = residuals.best_cause(tried);
-  if (!cause) return std::nullopt;
+  const Problem& seen = problem.with_residuals();
+  Residuals residuals(seen, model, assessment.unknowns);
+  if (!residuals.valid()) return out;
   if (other_noise != nullptr) {
     const Groups all = problem.all_groups();
-    ahead += problem.score(model, all).log_likelihood -
-             problem.score(assessment.model, all).log_likelihood;
-    cause->lead += residuals.step_gain();
+    out.log_evidence += problem.score(model, all).log_likelihood -
+                        problem.score(assessment.model, all).log_likelihood;
   }
-  // Where something is left that is no noise, evidence is too sure.
-  const double misfit = std::max(1.0, cause->error_after * cause->error_after);
-  const double short_by = explanation.noise_follows ? kStepFallsShort * cause->lead : 0;
-  cause->lead = (cause->lead + short_by + ahead) / misfit;
-  return cause;
+  // Rows were fitted: where averages of them are seen, these may ask for another step.
+  if (&seen == &problem || other_noise != nullptr) out.log_evidence += residuals.step_gain();
+  out.cause = residuals.best_cause(tried);
+  return out;
 }
 
 }  // namespace
@@ -280,18 +286,30 @@ std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
                                           const std::vector<Explanation>& explanations,
                                           double material, std::vector<TriedFunction>* tried) {
   const Explanation& last = explanations.back();
+  const Beside beside_last = cause_beside(problem, last, tried);
+  const auto compared = [&](Beside beside, const Explanation& explanation) {
+    const double ahead = beside.log_evidence - beside_last.log_evidence;
+    std::optional<UnnamedCause>& cause = beside.cause;
+    if (!cause || !std::isfinite(ahead)) return std::optional<UnnamedCause>();
+    // Where something is left that is no noise, evidence is too sure.
+    const double misfit = std::max(1.0, cause->error_after * cause->error_after);
+    const double short_by = explanation.noise_follows ? kStepFallsShort * cause->lead : 0;
+    cause->lead = (cause->lead + short_by + ahead) / misfit;
+    return std::move(cause);
+  };
   std::vector<std::optional<UnnamedCause>> causes;
-  for (const Explanation& explanation : explanations) {
-    const bool is_last = &explanation == &last;
-    causes.push_back(cause_beside(problem, explanation, last, is_last ? tried : nullptr));
-    if (is_last || !causes.back()) continue;
+  for (size_t e = 0; e + 1 < explanations.size(); ++e) {
+    const Explanation& explanation = explanations[e];
+    causes.push_back(compared(cause_beside(problem, explanation, nullptr), explanation));
+    if (!causes.back()) continue;
     // Noise that is fitted takes what an explanation leaves, and hides a part of a cause.
     const Model& own = explanation.assessment->model;
     const Model quiet = with_noise_of(own, last.assessment->model);
     if (same_values(quiet, own)) continue;
-    auto other = cause_beside(problem, explanation, last, nullptr, &quiet);
+    auto other = compared(cause_beside(problem, explanation, nullptr, &quiet), explanation);
     if (other && other->lead > causes.back()->lead) causes.back() = std::move(other);
   }
+  causes.push_back(compared(beside_last, last));
   // What is too small to count beside the last makes no other explanation better than it.
   const bool is_trace = causes.back() && causes.back()->noise_units < material;
   const double trace = is_trace ? std::max(0.0, causes.back()->lead) : 0;
