@@ -210,12 +210,31 @@ bool is_missed(const Problem& problem, const Pruning& by, const Grown& grown,
   return back.significant || hidden || lost;
 }
 
+// Drops what does nothing where the fit put it, all at once: it takes one fit, not one of each.
+bool drop_idle(const Problem& problem, Grown& grown) {
+  const Groups all = problem.all_groups();
+  const double enough = problem.score(grown.assessment.model, all).log_likelihood - kSameFit;
+  Grown less = grown;
+  for (const std::string& name : grown.added) {
+    if (less.added.size() == 1 || effects::has_dependents(less.assessment.model, name)) continue;
+    Grown smaller = without(less, name);
+    const Score score = problem.score(smaller.assessment.model, all);
+    if (score.valid && score.log_likelihood >= enough) less = std::move(smaller);
+  }
+  if (less.added.size() == grown.added.size()) return false;
+  less.assessment = assess(problem, less.assessment.model, less.assessment.unknowns);
+  if (!less.assessment.valid || less.assessment.total_ll < grown.assessment.total_ll - kTieWidth)
+    return false;
+  grown = std::move(less);
+  return true;
+}
+
 }  // namespace
 
 bool prune(const Problem& problem, const EffectByName& definition, double looks, double material,
            Grown& grown) {
   const Pruning by{definition, looks, material};
-  bool changed = false;
+  bool changed = drop_idle(problem, grown);
   for (bool again = true; again && grown.added.size() > 1;) {
     again = false;
     std::vector<std::optional<Grown>> smaller(grown.added.size());

@@ -51,6 +51,37 @@ TEST(Without, TheRestTakesOverWhatTheEffectStoodFor) {
   EXPECT_EQ(less.assessment.model.find("level")->value("size"), fit.value[1]);
 }
 
+// What does nothing where a fit of all left it needs no fits of its own to go.
+TEST(Prune, WhatIsIdleGoesWithOneFit) {
+  struct Counted : MadeProblem {
+    using MadeProblem::MadeProblem;
+    Fit fit(const Model& start, const std::vector<Unknown>& unknowns,
+            const Groups& groups) const override {
+      ++fits;
+      return MadeProblem::fit(start, unknowns, groups);
+    }
+    mutable int fits = 0;
+  };
+  Counted problem(evenly(0, 4, 400), kNoiseOfLine, [](const std::vector<double>& p, double at) {
+    double y = p[0] * at;
+    for (size_t k = 1; k < p.size(); ++k) y += p[k] * std::sin(static_cast<double>(7 * k) * at);
+    return y;
+  });
+  Model truth;
+  truth.set(effect_of("slope"), {{.value = 3}});
+  problem.observe(truth, RandomStream{3, 1});
+  Grown grown{.added = {"slope"}, .assessment = assess(problem, truth, {{"slope", 0}})};
+  for (const std::string name : {"a", "b", "c", "d"}) {
+    grown.assessment.model.set(effect_of(name), {{.value = 0}});
+    grown.assessment.unknowns.push_back({name, 0});
+    grown.added.push_back(name);
+  }
+  problem.fits = 0;
+  EXPECT_TRUE(prune(problem, effect_of, 1, kMaterial, grown));
+  EXPECT_EQ(grown.added, std::vector<std::string>{"slope"});
+  EXPECT_LE(problem.fits, 2);
+}
+
 // y = size * cos(x - phase) beside a slope.
 struct Swing : MadeProblem {
   Swing()
