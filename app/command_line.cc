@@ -125,14 +125,19 @@ std::string trouble_with(const std::string& text, Whole) {
 
 // Before other checks of the option.
 template <typename Value>
-void check_numbers(CLI::Option& option, const Value&) {
-  if constexpr (std::is_arithmetic_v<Value>)
+void check_value(CLI::Option& option, const Value&) {
+  if constexpr (std::is_arithmetic_v<Value>) {
     option.check([](const std::string& text) { return trouble_with(text, Value{}); });
+  } else {
+    option.check([](const std::string& text) {
+      return text.empty() ? "nothing given: leave it out, or say what is meant" : std::string();
+    });
+  }
 }
 
 template <typename Value>
-void check_numbers(CLI::Option& option, const std::optional<Value>&) {
-  check_numbers(option, Value{});
+void check_value(CLI::Option& option, const std::optional<Value>&) {
+  check_value(option, Value{});
 }
 
 }  // namespace
@@ -179,7 +184,7 @@ Command Command::add_subcommand(const std::string& name, const std::string& help
 #define SEAM_ADD_OPTION(Type)                                                                  \
   Option Command::add_option(const std::string& names, Type& value, const std::string& help) { \
     CLI::Option* option = app_->add_option(names, value, help);                                \
-    check_numbers(*option, value);                                                             \
+    check_value(*option, value);                                                               \
     return Option(option);                                                                     \
   }
 SEAM_ADD_OPTION(std::string)

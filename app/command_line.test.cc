@@ -58,6 +58,7 @@ TEST(CommandLine, MisspeltCommandsAndOptionsGetTheNearest) {
 TEST(CommandLine, OtherWrongUseHasExitCode2) {
   EXPECT_EQ(refused({}), "exit code 2");
   EXPECT_EQ(refused({"walk"}), "exit code 2");
+  EXPECT_EQ(refused({"walk", "anna", "--seed", ""}), "exit code 2");
 }
 
 TEST(CommandLine, HelpCommandIsTheHelpOption) {
