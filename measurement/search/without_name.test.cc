@@ -128,7 +128,7 @@ TEST(NamesImitate, StepsThatFunctionsDoBetterEndASearch) {
       facts_.covariates = {{.name = "x", .values = x()}};
       std::vector<double> y;
       for (size_t i = 0; i < x().size(); ++i)
-        y.push_back(0.4 * std::sin(9 * x()[i]) + kNoiseOfWave * normal({7, 2}, i));
+        y.push_back(0.4 * std::sin(14 * x()[i]) + kNoiseOfWave * normal({7, 2}, i));
       take(std::move(y));
     }
     static double powers(const std::vector<double>& p, double at) {
