@@ -102,7 +102,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
   std::vector<Grown> way = {base_};
   for (size_t step = 0; step < kMostSteps; ++step) {
     if (!grown.added.empty()) way.push_back(grown);
-    if ((no_name_explains_ = names_imitate(problem_, way, material_))) break;
+    const bool imitate = names_imitate(problem_, way, material_);
     progress_("step " + std::to_string(step + 1) + ": trying effects");
     // Every effect is fitted where the search would end with a misfit: a step from small starts may
     // have promised too little.
@@ -113,13 +113,17 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
     const bool shortened = (!first && looks.shortened) ||
                            std::any_of(looks.candidates.begin(), looks.candidates.end(),
                                        [](const Candidate& candidate) { return candidate.of_few; });
-    if (!next && misses && shortened) {
+    if (!next && misses && shortened && !imitate) {
       looks = look(grown, /*promising_only=*/false, Asked::all_rows);
       next = choose(problem_, grown, looks.candidates);
     }
     if (first) *first_looks = looks;
     traces = traces_of(looks.candidates);
     remember_significant(looks.candidates, promising_);
+    // Unless the next one explains the set after all.
+    std::vector<Grown> farther = way;
+    if (next) farther.push_back(next->grown);
+    if ((no_name_explains_ = imitate && names_imitate(problem_, farther, material_))) break;
     auto better = fitted_better(problem_, grown, next, looks.candidates);
     if (!better && next) better = all_beside_motor(problem_, grown, own_, *next);
     if (better) {
