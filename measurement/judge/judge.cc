@@ -333,13 +333,6 @@ void simplest_first(std::vector<Candidate>& candidates, size_t tied) {
   });
 }
 
-// Whether these data may prefer this one: it explains as much as any that is significant where all
-// rows count, and so few are held out that their verdict is luck.
-bool may_be_equal(const Candidate& candidate) {
-  const bool few = candidate.grown.assessment.held.n < kFewHeldOut;
-  return candidate.significant || (few && !candidate.trace && candidate.p_value < kCandidateAlarm);
-}
-
 }  // namespace
 
 void rank_candidates(std::vector<Candidate>& candidates) {
@@ -363,7 +356,7 @@ void rank_candidates(std::vector<Candidate>& candidates) {
     const double error = candidate.grown.assessment.error;
     for (size_t k = 0; k < candidates.size(); ++k) {
       const Candidate& other = candidates[k];
-      if (k == i || !may_be_equal(other)) continue;
+      if (k == i || !other.significant) continue;
       const bool in_class = at_noise && i < tied && k < tied;
       const bool pair =
           std::abs(other.total_gain_ll - candidate.total_gain_ll) < tie_width(error) &&

@@ -341,28 +341,5 @@ TEST(Rank, WhileMuchIsMissedTheSimplerOfEqualLensesComesFirst) {
   }
 }
 
-// Where most of every gain is the noise's, the effect with the largest gain of its own is taken:
-// not a spread, not one that leaves the error or is worth less than any price.
-TEST(Judge, OfGainsThatAreMostlyTheModelsTheLargestOwnPartCounts) {
-  Grown here;
-  here.assessment.error = 5;
-  const auto candidate = [&](const std::string& name, double own_ll, double error, bool spread) {
-    auto effect = std::make_shared<EffectDefinition>(*bend());
-    effect->name = name, effect->spread_only = spread;
-    Candidate made{.effect = effect, .own_ll = own_ll};
-    made.of_base = true;
-    made.grown.assessment.error = error;
-    return made;
-  };
-  std::vector<Candidate> candidates = {
-      candidate("small", 100, 0.97, false), candidate("wide", 9000, 0.97, true),
-      candidate("large", 4000, 0.96, false), candidate("useless", 8000, 4.9, false)};
-  const Candidate* taken = largest_own_part(here, candidates);
-  ASSERT_NE(taken, nullptr);
-  EXPECT_EQ(taken->effect->name, "large");
-  candidates = {candidate("small", 0.9 * kAnyPrice, 0.97, false)};
-  EXPECT_EQ(largest_own_part(here, candidates), nullptr);
-}
-
 }  // namespace
 }  // namespace seam::measurement

@@ -321,17 +321,6 @@ std::optional<Candidate> with_dependents(const Problem& problem, const Grown& ba
       {.effect = dependents.front(), .companions = {dependents.begin() + 1, dependents.end()}});
 }
 
-std::optional<Candidate> move_with_dependents(const Problem& problem, const Grown& base,
-                                              const std::shared_ptr<const EffectDefinition>& move,
-                                              const EffectList& own) {
-  const Model& model = base.assessment.model;
-  Prospect prospect{.effect = move, .companions = effects::companions_of(*move, model)};
-  const EffectList dependents = dependents_of(problem, with_effect(model, prospect, {}), own);
-  if (dependents.empty()) return std::nullopt;
-  prospect.companions.insert(prospect.companions.end(), dependents.begin(), dependents.end());
-  return fit_together(problem, base, std::move(prospect));
-}
-
 std::optional<Candidate> with_all_of_servo(const Problem& problem, const Grown& base,
                                            const EffectList& own) {
   auto all = with_dependents(problem, base, own);

@@ -89,12 +89,6 @@ std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
 std::optional<Candidate> with_dependents(const Problem& problem, const Grown& base,
                                          const EffectList& own);
 
-// An effect that others come with, and all that acts only beside it: where friction is large a
-// motor without any is no better than none. Nothing where nothing does.
-std::optional<Candidate> move_with_dependents(const Problem& problem, const Grown& base,
-                                              const std::shared_ptr<const EffectDefinition>& move,
-                                              const EffectList& own);
-
 // The same beside the other effect of the servo that gains most: a limit of torque may help nothing
 // before a late command is there, nor that before the limit.
 std::optional<Candidate> with_other_of_servo(const Problem& problem, const Grown& base,

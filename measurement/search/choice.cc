@@ -30,7 +30,7 @@ Candidate* choose(const Problem& problem, const Grown& here, std::vector<Candida
     if (!misses || (!hides_mean(problem, here.assessment, spread) &&
                     !leads_astray(problem, here.assessment, spread)))
       return &best;
-    best.significant = false, best.hides_mean = true;
+    best.significant = false;
     const auto end = std::find_if(candidates.begin() + 1, candidates.end(),
                                   [](const Candidate& c) { return !c.significant; });
     std::rotate(candidates.begin(), candidates.begin() + 1, end);
@@ -90,28 +90,6 @@ std::optional<Grown> fitted_better(const Problem& problem, const Grown& here, co
   if (!after.valid || !(after.total_ll > here.assessment.total_ll + kWorth * gain))
     return std::nullopt;
   return better;
-}
-
-std::optional<Grown> all_beside_motor(const Problem& problem, const Grown& here,
-                                      const EffectList& own, const Candidate& next) {
-  if (next.effect->errors != effects::Errors::together || !only_widens(*next.effect))
-    return std::nullopt;
-  auto all = with_dependents(problem, here, own);
-  if (!all || !all->grown.assessment.valid || !(merit_of(problem, all->grown) > next.merit))
-    return std::nullopt;
-  return std::move(all->grown);
-}
-
-Candidate* largest_own_part(const Grown& here, std::vector<Candidate>& candidates) {
-  Candidate* most = nullptr;
-  for (Candidate& candidate : candidates) {
-    const double error = candidate.grown.assessment.error;
-    if (!candidate.of_base || only_widens(*candidate.effect) || !(candidate.own_ll > kAnyPrice) ||
-        !(error < kPlainlyLess * here.assessment.error))
-      continue;
-    if (most == nullptr || candidate.own_ll > most->own_ll) most = &candidate;
-  }
-  return most;
 }
 
 bool clearly_needed(const Grown& grown, const std::string& name) {

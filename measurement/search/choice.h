@@ -25,16 +25,6 @@ Candidate* choose_by_all_rows(const Problem& problem, const Grown& here, double 
 std::optional<Grown> fitted_better(const Problem& problem, const Grown& here, const Candidate* next,
                                    const std::vector<Candidate>& candidates);
 
-// Where errors that hang together come next, which stand for whatever a motor's mean lacks: the
-// model with all that acts beside its motor at once, if that says more.
-std::optional<Grown> all_beside_motor(const Problem& problem, const Grown& here,
-                                      const EffectList& own, const Candidate& next);
-
-// Where nothing else is left to take: the effect of the mean with which the error falls plainly and
-// of whose gain, though most is the model's own, the most is its own. None where that is not worth
-// any price: a noise that is fitted beside a misfit may be of another size than beside an effect.
-Candidate* largest_own_part(const Grown& here, std::vector<Candidate>& candidates);
-
 // Whether an added effect is so far from neutral in its first fitted parameter, its size, that it
 // cannot go: a shortcut.
 bool clearly_needed(const Grown& grown, const std::string& name);

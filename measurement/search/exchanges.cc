@@ -64,26 +64,6 @@ std::optional<Grown> from_its_like(const Problem& problem, const Grown& grown, c
   return std::move(candidate->grown);
 }
 
-// Two forms of one lens side by side do little that the wider does not do alone, with values that
-// no data tell apart: it takes the place of both, where held-out groups lose nothing by that.
-std::optional<Grown> as_one_lens(const Problem& problem, const Grown& grown,
-                                 const EffectByName& effect_by_name) {
-  for (const std::string& wide : grown.added) {
-    const auto lens = effect_by_name(wide);
-    for (const std::string& narrow : grown.added) {
-      const EffectDefinition& other = *effect_by_name(narrow);
-      if (!are_lenses(*lens, other) || lens->term != other.term ||
-          lens->parameters.size() <= other.parameters.size())
-        continue;
-      auto one = from_its_like(problem, grown, without(without(grown, narrow), wide), lens);
-      if (one && merit_of(problem, *one) > merit_of(problem, grown) - kAnyPrice &&
-          one->assessment.held_ll() - grown.assessment.held_ll() > kUnluckyLoss)
-        return one;
-    }
-  }
-  return std::nullopt;
-}
-
 std::optional<Grown> exchanged(const Problem& problem, const Grown& grown, const Grown& smaller,
                                const Score& score, const Evaluation* near,
                                const std::shared_ptr<const EffectDefinition>& in) {
@@ -208,40 +188,13 @@ std::vector<std::optional<Grown>> Exchanges::tried(const Grown& grown,
   return tried;
 }
 
-Grown Exchanges::told_simply(Grown grown, const EffectByName& effect_by_name) const {
-  while (auto one = as_one_lens(problem_, grown, effect_by_name)) grown = *std::move(one);
-  grown = less_tangled(problem_, std::move(grown));
-  const auto moves = possible_exchanges(problem_, grown, /*promising=*/{}, effect_by_name);
-  const auto once = tried(grown, moves, effect_by_name);
-  const auto best = best_exchange(problem_, grown, moves, once, effect_by_name);
-  return best ? less_tangled(problem_, *once[*best]) : grown;
-}
-
 std::optional<Grown> Exchanges::better(const Grown& grown,
                                        const std::vector<std::string>& promising,
                                        const EffectByName& effect_by_name) const {
   const auto moves = possible_exchanges(problem_, grown, promising, effect_by_name);
   const auto once = tried(grown, moves, effect_by_name);
-  if (const auto best = best_exchange(problem_, grown, moves, once, effect_by_name))
-    return *once[*best];
-  // Another lens that all groups ask for and held-out ones deny: what was added beside the lens
-  // that leaves makes up for its faults, and none of both goes alone.
-  const double enough = merit_of(problem_, grown) + kTieReach * tie_width(grown.assessment.error);
-  std::optional<size_t> lens;
-  for (size_t m = 0; m < moves.size(); ++m) {
-    if (!once[m] || !stands_for(*effect_by_name(moves[m].out), *effect_by_name(moves[m].in)) ||
-        merit_of(problem_, *once[m]) < enough)
-      continue;
-    if (!lens || merit_of(problem_, *once[m]) > merit_of(problem_, *once[*lens])) lens = m;
-  }
-  if (!lens) return std::nullopt;
-  auto beside = possible_exchanges(problem_, *once[*lens], promising, effect_by_name);
-  std::erase_if(beside, [&](const Exchange& move) {
-    return move.out == moves[*lens].in || move.in == moves[*lens].out;
-  });
-  const auto twice = tried(*once[*lens], beside, effect_by_name);
-  const auto best = best_exchange(problem_, grown, beside, twice, effect_by_name);
-  return best ? twice[*best] : std::nullopt;
+  const auto best = best_exchange(problem_, grown, moves, once, effect_by_name);
+  return best ? once[*best] : std::nullopt;
 }
 
 Exchanges::Without Exchanges::without_it(const Grown& grown, const std::string& out) const {

@@ -44,14 +44,9 @@ class Exchanges {
  public:
   explicit Exchanges(const Problem& problem) : problem_(problem) {}
 
-  // The model with one added effect exchanged, or a lens and what stood beside it, where the whole
-  // becomes clearly better.
+  // The model with one added effect exchanged, where the whole becomes clearly better.
   std::optional<Grown> better(const Grown& grown, const std::vector<std::string>& promising,
                               const EffectByName& effect_by_name) const;
-
-  // The same model in its simplest form: two forms of one lens are the wider of them, and a lens
-  // that says no more than one of a narrower family leaves its place to that.
-  Grown told_simply(Grown grown, const EffectByName& effect_by_name) const;
 
   // The model with one added effect in the place of another. Nothing where a step of Gauss and
   // Newton shows that it cannot make up for most of what is lost.

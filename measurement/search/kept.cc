@@ -129,22 +129,6 @@ void keep_traces(const Problem& problem, double looks, SearchResult& result) {
   }
 }
 
-std::optional<Assessment> with_traces(const Problem& problem, double looks,
-                                      const SearchResult& result) {
-  Grown grown = result.best;
-  std::vector<Candidate> traces = result.last_traces;
-  for (size_t count = 0; count < kMostKept && !traces.empty(); ++count) {
-    std::vector<Candidate> beside = all_beside(problem, grown, traces, looks, result.material);
-    const auto likeliest = std::max_element(beside.begin(), beside.end(), is_less_likely);
-    if (likeliest == beside.end()) break;
-    grown = likeliest->grown;
-    beside.erase(likeliest);
-    traces = std::move(beside);
-  }
-  if (grown.added.size() == result.best.added.size()) return std::nullopt;
-  return std::move(grown.assessment);
-}
-
 std::string moved_value(const SearchResult& result, const KeptTrace& kept) {
   const auto& [effect, parameter] = kept.value;
   const Model& model = result.best.assessment.model;

@@ -26,11 +26,6 @@ std::optional<Candidate> fitted_beside(const Problem& problem, const Grown& grow
 // kToldWrong of its errors, the worst first, each beside those before it.
 void keep_traces(const Problem& problem, double looks, SearchResult& result);
 
-// The best model with the traces of the last look beside it, the likeliest first, while each is one
-// beside those before it. Nothing where there are none.
-std::optional<Assessment> with_traces(const Problem& problem, double looks,
-                                      const SearchResult& result);
-
 // The value that a trace which was kept moves most, as effect.parameter.
 std::string moved_value(const SearchResult& result, const KeptTrace& kept);
 

@@ -246,23 +246,6 @@ bool explained_by_noises(const SearchResult& result) {
 
 namespace {
 
-// What a trace makes of the structure matters as little as the trace: no more than it changes.
-void leave_to_traces(const Problem& problem, SearchResult& result) {
-  if (result.remaining.empty() || result.unnamed) return;
-  const auto with = with_traces(problem, std::max(1.0, result.first.tried), result);
-  if (!with) return;
-  const SplitStructure left = significant_structure(problem, *with, result.material);
-  const auto stays = [&](const Structure& structure) {
-    return std::any_of(left.material.begin(), left.material.end(), [&](const Structure& s) {
-      return s.residual == structure.residual && s.moment == structure.moment &&
-             s.covariate == structure.covariate;
-    });
-  };
-  const auto gone = std::stable_partition(result.remaining.begin(), result.remaining.end(), stays);
-  result.remaining_traces.insert(result.remaining_traces.begin(), gone, result.remaining.end());
-  result.remaining.erase(gone, result.remaining.end());
-}
-
 // Says of each step what speaks against it; returns whether anything does.
 bool doubt_steps(const Problem& problem, SearchResult& result) {
   Assessment stated = result.best.assessment;
@@ -286,7 +269,6 @@ void give_verdict(const Problem& problem, const SplitStructure& of_base, SearchR
       is_given ? of_base : significant_structure(problem, result.best.assessment, result.material);
   result.base_structure = of_base.material, result.base_traces = of_base.traces;
   result.remaining = of_best.material, result.remaining_traces = of_best.traces;
-  leave_to_traces(problem, result);
   const bool first_found =
       !result.first.candidates.empty() && result.first.candidates.front().significant;
   const bool has_error = std::isfinite(result.best.assessment.error);

@@ -47,11 +47,9 @@ class Searcher {
   bool misses(const Assessment& assessment) const;
   Looks look_at_moves() const;
   void begin_with_moves(const Looks& moves, SearchResult& result);
-  void begin_with_whole_moves(SearchResult& result);
   void begin_with_dependents(const Grown& base, SearchResult& result);
   bool widens(const Grown& grown) const;
   void begin_with_rest(SearchResult& result);
-  void begin_with_refused(SearchResult& result);
   bool prune(Grown& grown) {
     return measurement::prune(
         problem_, [this](const std::string& name) { return definition(name); }, looks_, material_,
@@ -124,14 +122,11 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
     std::vector<Grown> farther = way;
     if (next) farther.push_back(next->grown);
     if ((no_name_explains_ = imitate && names_imitate(problem_, farther, material_))) break;
-    auto better = fitted_better(problem_, grown, next, looks.candidates);
-    if (!better && next) better = all_beside_motor(problem_, grown, own_, *next);
-    if (better) {
+    if (auto better = fitted_better(problem_, grown, next, looks.candidates)) {
       grown = *std::move(better);
       prune(grown);
       continue;
     }
-    if (!next && misses) next = largest_own_part(grown, looks.candidates);
     const double before = merit_of(problem_, grown);
     const size_t parameters_before = fitted_parameters(grown);
     const double error_before = grown.assessment.error;
@@ -177,7 +172,6 @@ void Searcher::begin_with(const Candidate& beginning, SearchResult& result) {
   // One that helped no held-out group by itself must do so with what came to it.
   if (!beginning.significant && other.assessment.held_ll() <= result.best.assessment.held_ll())
     return;
-  if (beginning.hides_mean && misses(other.assessment)) return;
   result.best = std::move(other);
   result.last_traces = std::move(traces);
 }
@@ -226,9 +220,7 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
   if (!moves_first && misses(result.best.assessment) &&
       !explained_without_name(problem_, {base_, result.best}, material_))
     begin_with_moves(moves_ = look_at_moves(), result);
-  begin_with_whole_moves(result);
   begin_with_rest(result);
-  begin_with_refused(result);
   result.first = first_;
   join(moves_, result.first);
 }
@@ -258,16 +250,6 @@ void Searcher::begin_with_moves(const Looks& moves, SearchResult& result) {
   }
 }
 
-// Where friction is large a motor without any is no better than none, and rules without torque win.
-void Searcher::begin_with_whole_moves(SearchResult& result) {
-  for (const Candidate& move : moves_.candidates) {
-    const Assessment& best = result.best.assessment;
-    if (best.error < kUseless || best.model.has(move.effect->name)) continue;
-    const auto all = move_with_dependents(problem_, base_, move.effect, own_);
-    if (all && all->grown.assessment.error < best.error) begin_with(*all, result);
-  }
-}
-
 // Whether a spread was added.
 bool Searcher::widens(const Grown& grown) const {
   return std::any_of(grown.added.begin(), grown.added.end(),
@@ -293,14 +275,6 @@ void Searcher::begin_with_rest(SearchResult& result) {
   if (result.best.assessment.error <= kUseless) return;
   const auto rest = with_other_of_servo(problem_, result.best, own_);
   if (rest && rest->grown.assessment.error <= kUseless) begin_with(*rest, result);
-}
-
-// A spread may hide a mean whose own effect helps only beside it: a lag under a way that wanders.
-void Searcher::begin_with_refused(SearchResult& result) {
-  const auto& first = first_.candidates;
-  const auto refused =
-      std::find_if(first.begin(), first.end(), [](const Candidate& c) { return c.hides_mean; });
-  if (refused != first.end() && misses(result.best.assessment)) begin_with(*refused, result);
 }
 
 void Searcher::try_beginnings(SearchResult& result) {
@@ -361,7 +335,7 @@ SearchResult Searcher::run() {
   }
   result.base = base_;
   const auto by_name = [&](const std::string& name) { return definition(name); };
-  result.best = exchanges_.told_simply(std::move(result.best), by_name);
+  result.best = less_tangled(problem_, std::move(result.best));
   result.first_is_of_base = result.first_is_of_base && !changed;
   progress_("putting the steps in order");
   Grown searched;

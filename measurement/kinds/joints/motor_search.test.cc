@@ -220,28 +220,6 @@ TEST(MotorSearch, ErrorsSayWhatTheDataDoNotTell) {
   }
 }
 
-// Errors that wander stand for all that a motor's mean lacks: where that is told at once, it comes.
-TEST(MotorSearch, AllThatActsBesideAMotorComesBeforeAWander) {
-  const std::string motor =
-      "  motor_servo: {stall_rad_per_s2: 200, back_emf_per_s: 10, gain: 0.1}\n";
-  const std::string beside =
-      "  coulomb_friction: {rad_per_s2: 8}\n  gravity_torque: {rad_per_s2: 20, level_rad: 0.3}\n";
-  const auto before_wander = [&](const std::string& truth) {
-    const JointsProblem problem = MadeSet("motor-before-wander").made_by(model_of(truth), 6);
-    const Model base = model_of(kFree);
-    const Grown here{.added = {"motor_servo"},
-                     .assessment = assess(problem, base, refitted_unknowns(base))};
-    const EffectList wander = {effects::find_effect("joint_wander")};
-    const Looks looks = look_at(problem, here, wander, 0.1);
-    EXPECT_TRUE(looks.candidates.front().significant);
-    return all_beside_motor(problem, here, {}, looks.candidates.front());
-  };
-  const auto all = before_wander(motor + beside);
-  ASSERT_TRUE(all);
-  EXPECT_NEAR(all->assessment.model.find("coulomb_friction")->value("rad_per_s2"), 8, 0.5);
-  EXPECT_FALSE(before_wander(motor + "  joint_wander: {sigma_rad: 0.003, tau_s: 0.5}\n"));
-}
-
 // A motor that misses by far is not told by errors that wander, which leave its misses as alike as
 // they were; errors that do wander are, however large.
 TEST(MotorSearch, AWanderThatLeavesWhatItIsForHidesTheMean) {
@@ -305,23 +283,6 @@ TEST(MotorSearch, ALatencyComesWithTheFrictionThatItHides) {
   ASSERT_TRUE(all);
   EXPECT_LT(all->grown.assessment.error, 1.2);
   EXPECT_NEAR(all->grown.assessment.model.find("servo_latency")->value("latency_s"), 0.0135, 0.001);
-}
-
-// Friction that is half of the load stops a joint where a motor without any swings for long: one
-// with gravity alone leaves more than 100 times the noise.
-TEST(MotorSearch, AMotorWithLargeFrictionComesWithIt) {
-  const JointsProblem problem =
-      MadeSet("motor-large-friction", false)
-          .made_by(model_of("  motor_servo: {stall_rad_per_s2: 1760, back_emf_per_s: 44, gain: "
-                            "0.07}\n  gravity_torque: {rad_per_s2: 200, level_rad: -0.15}\n"
-                            "  coulomb_friction: {rad_per_s2: 112}\n"
-                            "  stribeck_friction: {rad_per_s2: 49, rad_per_s: 2.6}\n"),
-                   6);
-  const Grown base{.assessment = assess(problem, model_of("  ideal_servo: {}\n"), {})};
-  const auto all = move_with_dependents(problem, base, effects::find_effect("motor_servo"), {});
-  ASSERT_TRUE(all);
-  EXPECT_LT(all->grown.assessment.error, 50);
-  EXPECT_NEAR(all->grown.assessment.model.find("gravity_torque")->value("rad_per_s2"), 200, 20);
 }
 
 }  // namespace

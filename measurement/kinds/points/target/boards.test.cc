@@ -215,16 +215,6 @@ TEST(Boards, ALensOfSplinesIsNamedWhereNoFormulaOfALensFits) {
   EXPECT_FALSE(held(barrel, "straight-lens"));
 }
 
-TEST(Boards, TwoFormsOfOneLensAreToldAsTheWider) {
-  const auto problem = open_problem(board_views({.name = "two-lenses", .lens = quotient}));
-  const Grown both = with_effects(*problem, {"radial_polynomial", "rational_lens"});
-  ASSERT_THAT(both.added, testing::ElementsAre("radial_polynomial", "rational_lens"));
-  const Grown one = Exchanges(*problem).told_simply(
-      both, [](const std::string& name) { return effects::find_effect(name); });
-  EXPECT_THAT(one.added, testing::ElementsAre("rational_lens"));
-  EXPECT_LT(one.assessment.error, 1.1);
-}
-
 TEST(Boards, WhatIsExchangedStandsWhereTheOtherStood) {
   const auto problem = open_problem(board_views({.name = "exchanged", .lens = quotient}));
   const Grown both = with_effects(*problem, {"radial_polynomial", "thin_prism"});
