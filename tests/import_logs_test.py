@@ -142,6 +142,13 @@ def test_ranges(folder):
     imported("ranges", *tables, out=folder / "csv")
     assert [r["range_m"] for r in rows_of(folder / "csv" / "observations.csv")] == [
         r["range_m"] for r in rows_of(out / "observations.csv")]
+    # Further columns come along where every row has a number; constants, counters and words do not.
+    more = text_table(folder / "more.csv", "t,anchor,distance,seq,humidity,fixed,gap,state", [
+        [*row, i, 50 + 9 * np.sin(0.3 * i), 3, "" if i == 4 else i % 3, "ok"] for i, row in enumerate(ranges[:, [0, 2, 3]])])
+    said = imported("ranges", tables[0], more, tables[2], out=folder / "more")
+    assert "kept beside them: humidity\n" in said, said
+    kept = rows_of(folder / "more" / "observations.csv")
+    assert list(kept[0])[5:] == ["humidity"] and float(kept[2]["humidity"]) == 50 + 9 * np.sin(0.6), kept[2]
     # Units in the names of columns, and loggers that write 0 or nan where nothing answered.
     some = ["time [ms];beacon;range (mm)\n"] + [
         f"{1000 * t:.3f};{b:.0f};{'0' if i % 50 == 0 else 'nan' if i % 50 == 1 else repr(float(1000 * r))}\n"

@@ -153,6 +153,9 @@ def test_velocities_and_poses(folder):
     one = table(folder / "one.csv", "t,v,w,x,y,theta", [k * STEP, v, w, *seen(np.stack([x, y, theta], 1)).T])
     imported("wheels", one, "--base", BASE, out=folder / "one")
     assert "differential_drive" in (folder / "one" / "nominal.yaml").read_text()
+    more = table(folder / "more.csv", "t,v,w,x,y,theta,carpet,row", [k * STEP, v, w, *seen(np.stack([x, y, theta], 1)).T, k // 90 % 2, k])
+    said = imported("wheels", more, out=folder / "more")
+    assert "left out: carpet; an error that may depend on such a column shows once it stands in odometry.csv" in said, said
 
 
 def test_what_is_not_said_is_estimated(folder):

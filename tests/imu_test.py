@@ -66,6 +66,13 @@ class Tables(Case):
         rows = (self.folder / "out" / "imu.csv").read_text().splitlines()
         self.assertEqual({row.split(",")[0] for row in rows[1:]}, {"1 a__b", "2 c_d"})
 
+    def test_columns_that_take_no_part_are_named(self):
+        table = self.folder / "battery.csv"
+        table.write_text("time,gx,gy,gz,battery\n" + "".join(
+            f"{0.01 * k:.2f}," + ",".join(f"{0.01 * (k * step % 101)}" for step in (7919, 31, 57, 3)) + "\n" for k in range(300)))
+        said = run("import", "imu", table, "--out", self.folder / "out")
+        self.assertIn("left out: battery; readings are compared with time and temperature_c alone", said)
+
     def test_a_column_that_stands_twice_is_refused(self):
         table = self.folder / "twice.csv"
         table.write_text("# of a sensor\ntime,gx,gy,gz,gx\n" + "".join(f"{0.01 * k:.2f},1,2,3,4\n" for k in range(100)))

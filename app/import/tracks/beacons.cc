@@ -1,12 +1,29 @@
 #include "app/import/tracks/beacons.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace seam::app {
 namespace {
+
+constexpr std::array kOfSightings = {"block", "time_s", "landmark", "range_m", "bearing_rad"};
+
+// Further columns that every row has; those whose names mean something else in a set are not kept.
+std::vector<std::string> kept_beside(const BeaconLog& log) {
+  std::vector<std::string> kept;
+  for (const auto& [name, value] : log.seen.front().beside) {
+    const bool ours = name == "run" || std::find(kOfSightings.begin(), kOfSightings.end(), name) !=
+                                           kOfSightings.end();
+    const bool whole = std::all_of(log.seen.begin(), log.seen.end(),
+                                   [&](const Sighting& one) { return one.beside.contains(name); });
+    if (whole && !ours) kept.push_back(name);
+  }
+  return kept;
+}
 
 void write_places(const BeaconLog& log, SetDraft& draft) {
   measurement::CsvWriter landmarks(log.has_heights
@@ -62,11 +79,17 @@ void draft_beacons(const BeaconLog& log, SetDraft& draft) {
   // Blocks of time are held out whole: some twenty.
   const int64_t block = std::max<int64_t>(1, (log.seen.back().ns - start) / 20 + 1);
   const auto cell = [](double value) { return std::isnan(value) ? "" : exact(value); };
-  measurement::CsvWriter observations({"block", "time_s", "landmark", "range_m", "bearing_rad"});
+  const std::vector<std::string> beside = kept_beside(log);
+  std::vector<std::string> columns = {kOfSightings.begin(), kOfSightings.end()};
+  columns.insert(columns.end(), beside.begin(), beside.end());
+  measurement::CsvWriter observations(columns);
   size_t ranges = 0, bearings = 0;
   for (const Sighting& one : log.seen) {
-    observations.row({fmt::format("{}", (one.ns - start) / block), seconds_text(one.ns - start),
-                      one.beacon, cell(one.range_m), cell(one.bearing_rad)});
+    std::vector<std::string> cells = {fmt::format("{}", (one.ns - start) / block),
+                                      seconds_text(one.ns - start), one.beacon, cell(one.range_m),
+                                      cell(one.bearing_rad)};
+    for (const std::string& name : beside) cells.push_back(exact(one.beside.at(name)));
+    observations.row(cells);
     ranges += !std::isnan(one.range_m), bearings += !std::isnan(one.bearing_rad);
   }
   draft.kind = "landmarks";
@@ -83,6 +106,7 @@ void draft_beacons(const BeaconLog& log, SetDraft& draft) {
                                 : fmt::format("{} ranges and {} bearings", ranges, bearings),
                   log.beacons.size(), log.path.poses.size(), seconds_text(start),
                   1e-9 * static_cast<double>(block)));
+  if (!beside.empty()) draft.did(fmt::format("kept beside them: {}", fmt::join(beside, ", ")));
   draft.could_not_know("the noise of what was measured: it is estimated");
   if (ranges == 0) return;
   if (!log.has_heights)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,8 @@ struct Sighting {
   // Where measured, else not a number.
   double range_m = std::numeric_limits<double>::quiet_NaN();
   double bearing_rad = std::numeric_limits<double>::quiet_NaN();
-  std::string place;  // "file:line".
+  std::string place;                     // "file:line".
+  std::map<std::string, double> beside;  // Further columns, by their names in the set.
 };
 
 struct BeaconLog {

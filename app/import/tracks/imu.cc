@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "app/import/draft/checks.h"
 #include "app/import/files/text_table.h"
@@ -80,6 +81,7 @@ class ImuImport {
   const ImportRequest& request_;
   SetDraft& draft_;
   std::vector<Run> runs_;
+  std::set<std::string> left_out_;  // Columns.
 };
 
 double ImuImport::unit_of(size_t axis, const std::string& column) const {
@@ -116,6 +118,9 @@ void ImuImport::read(const TextTable& table, const std::string& name) {
         table.file()));
   const int warmth =
       column_of(table, request_, "temperature", {"temperature_c", "temperature", "temp", "temp_c"});
+  std::set<int> taken(columns.begin(), columns.end());
+  taken.insert({time, warmth});
+  name_beside(table, taken, left_out_);
   Run run{.name = name};
   const int64_t unit = time_unit_of(request_, "time", table.full_name(at(time)));
   for (size_t row = 0; row < table.rows(); ++row) {
@@ -250,6 +255,7 @@ void ImuImport::run() {
   draft_.add_table("imu", out);
   draft_.did(
       fmt::format("{} samples in {} run{}", samples, runs_.size(), runs_.size() == 1 ? "" : "s"));
+  say_left_out(left_out_, "readings are compared with time and temperature_c alone", draft_);
   draft_.could_not_know(
       "whether the sensor was at rest: stretches in which it moved must go (blank cells), or get "
       "columns of what it truly did (wx_true_radps, ..., ax_true_mps2, ...)");

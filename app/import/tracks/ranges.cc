@@ -139,12 +139,15 @@ void RangesImport::read_sightings(const TextTable& table, int time, int beacon, 
   const double metres = range < 0 ? 0 : metres_of(request_, "range", table.full_name(of(range)));
   const double radians =
       bearing < 0 ? 0 : radians_of(request_, "bearing", table.full_name(of(bearing)));
+  const std::vector<size_t> beside = numbers_beside(table, {time, beacon, range, bearing});
   for (size_t row = 0; row < table.rows(); ++row) {
     Sighting one{.ns = time_in(table, row, time, unit),
                  .beacon = beacon_name(table.cell(row, of(beacon))),
                  .place = fmt::format("{}:{}", table.file(), table.line(row))};
     if (range >= 0) one.range_m = metres * table.number_or_blank(row, of(range));
     if (bearing >= 0) one.bearing_rad = radians * table.number_or_blank(row, of(bearing));
+    for (const size_t column : beside)
+      one.beside[csv_word(table.column_name(column))] = table.number(row, column);
     log_.seen.push_back(std::move(one));
   }
 }

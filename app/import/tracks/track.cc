@@ -1,5 +1,7 @@
 #include "app/import/tracks/track.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -58,6 +60,36 @@ TrackColumns track_columns(const TextTable& table, const ImportRequest& request,
                                 "quat_" + parts[i], "orientation." + parts[i],
                                 "orientation_" + parts[i], "pose.orientation." + parts[i]});
   return columns;
+}
+
+std::set<int> places_of(const TrackColumns& columns) {
+  std::set<int> places(columns.q.begin(), columns.q.end());
+  places.insert({columns.time, columns.x, columns.y, columns.z, columns.theta});
+  return places;
+}
+
+std::vector<size_t> numbers_beside(const TextTable& table, const std::set<int>& taken) {
+  std::vector<size_t> found;
+  for (size_t column = 0; column < table.columns().size(); ++column) {
+    if (taken.contains(static_cast<int>(column))) continue;
+    std::vector<double> values(table.rows());
+    bool whole = true, counts = true;
+    for (size_t row = 0; row < table.rows() && whole; ++row) {
+      whole = parse_number(table.cell(row, column), values[row]);
+      if (row > 1) counts = counts && values[row] - values[row - 1] == values[1] - values[0];
+    }
+    if (whole && !counts) found.push_back(column);
+  }
+  return found;
+}
+
+void name_beside(const TextTable& table, const std::set<int>& taken, std::set<std::string>& names) {
+  for (const size_t column : numbers_beside(table, taken))
+    names.insert(csv_word(table.column_name(column)));
+}
+
+void say_left_out(const std::set<std::string>& names, std::string_view follows, SetDraft& draft) {
+  if (!names.empty()) draft.did(fmt::format("left out: {}; {}", fmt::join(names, ", "), follows));
 }
 
 void read_track(const TextTable& table, const TrackColumns& columns, const ImportRequest& request,

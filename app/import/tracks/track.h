@@ -3,10 +3,13 @@
 
 #include <array>
 #include <limits>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/import/draft/request.h"
+#include "app/import/draft/set_draft.h"
 #include "app/import/files/text_table.h"
 
 namespace seam::app {
@@ -44,6 +47,15 @@ TrackColumns track_columns(const TextTable& table, const ImportRequest& request,
 // Appends the rows that state a place; rows without one are passed over.
 void read_track(const TextTable& table, const TrackColumns& columns, const ImportRequest& request,
                 const std::string& time, Track& track);
+
+// Columns with a number in every row beside those that are taken (-1: no column), no constants and
+// no counters of rows.
+std::vector<size_t> numbers_beside(const TextTable& table, const std::set<int>& taken);
+// Adds the names of those to `names`.
+void name_beside(const TextTable& table, const std::set<int>& taken, std::set<std::string>& names);
+// Says which columns the set does not hold, where there are some, and what follows.
+void say_left_out(const std::set<std::string>& names, std::string_view follows, SetDraft& draft);
+std::set<int> places_of(const TrackColumns& columns);
 
 // The time of a row; throws beyond what differences of times hold (95 years about 1970).
 int64_t time_in(const TextTable& table, size_t row, int column, int64_t unit_ns);

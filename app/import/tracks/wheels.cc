@@ -40,6 +40,7 @@ class WheelsImport {
   };
 
   void read_files();
+  void say_what_is_left_out();
   bool moves(const File& file) const;
   void take_poses();
   void read_motion();
@@ -66,6 +67,21 @@ bool WheelsImport::moves(const File& file) const {
   if (of_wheels_) return file.motion.are_wheels();
   // A motion capture that gives velocities, too, says what happened, not what was commanded.
   return file.motion.are_velocities() && !(commands_apart_ && file.track.are_poses());
+}
+
+// Columns of numbers that are neither motion nor poses.
+void WheelsImport::say_what_is_left_out() {
+  std::set<std::string> names;
+  for (const File& file : files_) {
+    const MotionColumns& c = file.motion;
+    std::set<int> taken = places_of(file.track);
+    taken.insert({c.time, c.run, c.left, c.right, c.vx, c.vy, c.omega});
+    name_beside(file.table, taken, names);
+  }
+  say_left_out(names,
+               "an error that may depend on such a column shows once it stands in odometry.csv, "
+               "with a number in every row",
+               draft_);
 }
 
 void WheelsImport::read_files() {
@@ -299,6 +315,7 @@ void WheelsImport::draft_wheels() {
 void WheelsImport::run() {
   read_files();
   read_motion();
+  say_what_is_left_out();
   take_poses();
   if (drive_.rows.empty())
     throw InputError(
