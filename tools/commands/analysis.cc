@@ -112,9 +112,11 @@ std::string how_to_add_formula(const AnalysisFlags& flags, const std::string& mo
     text += fmt::format("seam diagnose --model {} --data {} --suggest {}, then ", flags.model,
                         flags.data, file);
   text += fmt::format("write a name for '{}' in {}, then ", result.suggestion->effect, file);
+  // The formula holds beside effects that the model lacks: a search adds them all.
   if (model == flags.model && !result.suggestion->beside.empty())
-    text +=
-        fmt::format("add {} (seam discover), then ", fmt::join(result.suggestion->beside, ", "));
+    return text +
+           fmt::format("seam discover --model {} --data {} --candidates {} --out with_NAME.yaml\n",
+                       model, flags.data, file);
   return text + fmt::format("seam add {} --model {} --data {} --out with_NAME.yaml\n", file, model,
                             flags.data);
 }

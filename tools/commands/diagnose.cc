@@ -14,7 +14,8 @@ namespace {
 // What was written, or why nothing was.
 std::string text_of(const measurement::SearchResult& result, const std::string& file) {
   if (result.suggestion)
-    return fmt::format("suggested effect {}, in {}\n", result.suggestion->effect, file);
+    return fmt::format("the formula is written to {}, as the effect '{}'\n", file,
+                       result.suggestion->effect);
   std::string text;
   if (const auto noises = measurement::noises_found(result); !noises.empty())
     text = fmt::format("noise of the catalogue, before any formula: {}\n", fmt::join(noises, ", "));
