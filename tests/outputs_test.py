@@ -88,6 +88,7 @@ class Outputs(unittest.TestCase):
             self.refused("cannot be written", "run", self.long, option, nowhere)
         (self.here / "file").write_text("")
         self.refused("cannot make this folder", "run", self.long, "--frames", self.here / "file")
+        self.refused("cannot make this folder", "new-effect", "slip", "--stage", "geometry", "--out", self.here / "file")
         missing = ["--model", self.here / "no.yaml", "--data", self.here]
         for command in (["compare"], ["diagnose"], ["discover", "--out", self.here / "m"], ["fit", "--out", self.here / "m"]):
             self.refused(f"{nowhere}: cannot be written", *command, *missing, "--json", nowhere)

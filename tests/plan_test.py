@@ -216,6 +216,7 @@ class Plan(unittest.TestCase):
             self.assertEqual((given[0], said in given[1]), (code, True), given[1])
 
         refused(2, "did you mean 'rolling_shutter'", "--protocol", self.room, "--effects", "rolling_shuter")
+        refused(2, "found no names", "--protocol", self.room, "--effects", ",")
         refused(2, "expected two", "--protocol", self.room, "--improve", "rolling_shutter")
         refused(1, "nowhere", "--protocol", self.folder / "nowhere")
         refused(2, "--protocol", "--effects", "rolling_shutter")

@@ -71,6 +71,8 @@ with tempfile.TemporaryDirectory() as folder:
 
     unknown = subprocess.run([seam, "study", "points", "--effect", "frame_latancy"], capture_output=True, text=True)
     assert unknown.returncode == 1 and "frame_latency" in unknown.stderr, unknown
+    word = subprocess.run([seam, "study", "points", "--effect", "frame_latency", "--size", "nan"], capture_output=True, text=True)
+    assert word.returncode == 2 and "--size nan: expected a number" in word.stderr, word
     # Sets like recordings, and what they cannot be.
     like = scratch / "like.json"
     done = subprocess.run([seam, "study", "odometry", "--groups", "2", "--uneven", "--misfit", "0.05", "--material", "0.1",

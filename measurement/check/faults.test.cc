@@ -337,6 +337,25 @@ TEST_F(Faults, PicturesStoredTwiceAreTold) {
   EXPECT_THAT(faults_of_values(twice), ElementsAre(HasSubstr("frames.csv:3: 1 pictures")));
 }
 
+TEST_F(Faults, StampsOfFramesThatCannotBeAreTold) {
+  const auto video = [&](const std::vector<const char*>& times, const char* motion) {
+    std::string text = "frame,time_s,point,x_m,y_m,z_m,u_px,v_px\n";
+    for (size_t row = 0; row < times.size(); ++row)
+      text += fmt::format("f{},{},{},{},0,0,{},5\n", row / 2, times[row], row % 2, row % 2, row);
+    write("points.csv", text);
+    return set("points", "{points: points.csv}",
+               fmt::format("rig: {{pose: unknown, motion: {}}}\n", motion).c_str());
+  };
+  EXPECT_THAT(faults_of_values(video({"0", "0", "0.1", "0.1"}, "spline")), IsEmpty());
+  EXPECT_THAT(faults_of_values(video({"0", "0", "0.1", "0.2", "0.3", "0.4"}, "still")),
+              ElementsAre(HasSubstr("points.csv:5: column time_s: found 0.1 and 0.2 in frame f1, 2 "
+                                    "such frames in all")));
+  EXPECT_THAT(
+      faults_of_values(video({"0.1", "0.1", "0.1", "0.1"}, "spline")),
+      ElementsAre(HasSubstr("points.csv:4: column time_s: frames f0 and f1 have one time")));
+  EXPECT_THAT(faults_of_values(video({"0.1", "0.1", "0.1", "0.1"}, "still")), IsEmpty());
+}
+
 TEST_F(Faults, ViewsThatRepeatOrAreMirroredAreTold) {
   EXPECT_THAT(faults_of_values(board(-1, 5)),
               ElementsAre(HasSubstr("1 views repeat the one before to the last digit, the first is "

@@ -1,4 +1,4 @@
-// Faults of points in pictures: views stored twice, targets mirrored.
+// Faults of points in pictures: stamps, views stored twice, targets mirrored.
 #include <fmt/format.h>
 
 #include <Eigen/Core>
@@ -51,6 +51,42 @@ std::vector<View> views_of(const CsvTable& table, const std::string& group) {
   return views;
 }
 
+// A frame has one stamp; and on one smooth path a camera is at one place at a time.
+void tell_stamps(const MeasurementSet& set, const CsvTable& table, const std::vector<View>& views,
+                 std::vector<std::string>& found) {
+  if (!table.has("time_s")) return;
+  const auto times = table.times_ns("time_s");
+  size_t unlike = 0;
+  std::string first;
+  for (const View& view : views) {
+    const auto other = std::find_if(view.rows.begin(), view.rows.end(), [&](size_t row) {
+      return times[row] != times[view.rows.front()];
+    });
+    if (other == view.rows.end() || unlike++ > 0) continue;
+    first = fmt::format("{}: column time_s: found {} and {} in frame {}", place(table, *other),
+                        table.cell(view.rows.front(), "time_s"), table.cell(*other, "time_s"),
+                        view.name);
+  }
+  if (unlike > 0)
+    found.push_back(
+        fmt::format("{}, {} such frames in all: one stamp each, the start of row 0, is expected "
+                    "(read-out times are the model's)",
+                    first, unlike));
+  const auto rig = set.root.find("rig");
+  if (!rig || !rig->has("motion") || rig->at("motion").text() != "spline") return;
+  std::map<std::pair<std::string, int64_t>, const View*> at;
+  for (const View& view : views) {
+    const size_t row = view.rows.front();
+    const auto [earlier, is_new] = at.emplace(std::pair(view.camera, times[row]), &view);
+    if (is_new) continue;
+    found.push_back(fmt::format(
+        "{}: column time_s: frames {} and {} have one time ({} s), expected another for each: a "
+        "camera on one path is at one place at a time",
+        place(table, row), earlier->second->name, view.name, table.cell(row, "time_s")));
+    return;
+  }
+}
+
 // Angles of a rig's joints that no head turns to, and a target whose points stand metres apart.
 void tell_units(const MeasurementSet& set, const CsvTable& table, bool held_before_it,
                 std::vector<std::string>& found) {
@@ -90,6 +126,7 @@ void point_faults(const MeasurementSet& set, std::vector<std::string>& found) {
   const bool held_before_it = set.root.has("rig") && set.root.at("rig").has("pose");
   tell_units(set, table, held_before_it, found);
   const auto views = views_of(table, set.group);
+  tell_stamps(set, table, views, found);
   const std::optional<double> noise_px = stated_noise_px(set, table);
   size_t mirrored = 0, repeated = 0, looked_at = 0;
   std::string first_mirrored, first_repeated;

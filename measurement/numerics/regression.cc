@@ -101,6 +101,7 @@ NestedTest category_test(const std::vector<double>& y, const std::vector<int>& l
 
 double f_tail(double f, double numerator, double denominator) {
   if (!(f > 0)) return 1;
+  if (std::isinf(f)) return 1e-300;  // Boost takes no infinity.
   const boost::math::fisher_f distribution(numerator, denominator);
   return clamped(boost::math::cdf(boost::math::complement(distribution, f)));
 }

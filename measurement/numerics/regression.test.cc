@@ -9,6 +9,7 @@
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
+#include <limits>
 
 #include "sim_core/base/random.h"
 
@@ -131,6 +132,7 @@ TEST(Regression, TailsAreThoseOfPrintedTables) {
   EXPECT_EQ(chi2_tail(0, 3), 1);
   EXPECT_EQ(chi2_tail(1e9, 3), 1e-300);
   EXPECT_EQ(f_tail(0, 3, 10), 1);
+  EXPECT_EQ(f_tail(std::numeric_limits<double>::infinity(), 3, 10), 1e-300);
 }
 
 TEST(Regression, NormalScoresAreQuantilesOfTheRanks) {

@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "effects/kind.h"
+#include "measurement/sets/noise_bounds.h"
 #include "measurement/sets/rig_keys.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
@@ -16,8 +17,6 @@ namespace seam::measurement {
 namespace {
 
 constexpr double kLargest = 1e300;
-// No sensor of metres, radians, pixels or counts is better or worse.
-constexpr double kLeastNoise = 1e-12, kMostNoise = 1e12;
 
 void describe_camera(ConfigTable& table, CameraFacts& camera) {
   table.allow_notes();

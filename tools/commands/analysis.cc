@@ -52,15 +52,15 @@ void add_target_out_flag(app::Command command, AnalysisFlags& flags) {
 
 std::unique_ptr<measurement::Problem> open_problem(const AnalysisFlags& flags) {
   app::refuse_foreign_file(flags.data);
-  measurement::MeasurementSet set = open_set(flags);
-  set.target = flags.target;
-  auto problem = measurement::open_problem(std::move(set), app::instruments(flags.runs));
+  auto problem = measurement::open_problem(open_set(flags), app::instruments(flags.runs));
   say_work("fitting the model");
   return problem;
 }
 
 measurement::MeasurementSet open_set(const AnalysisFlags& flags) {
-  return measurement::open_set(flags.data, flags.leave_out);
+  measurement::MeasurementSet set = measurement::open_set(flags.data, flags.leave_out);
+  set.target = flags.target;
+  return set;
 }
 
 effects::Model read_model(const std::string& path) {
@@ -234,6 +234,7 @@ measurement::EffectList effects_named(const std::string& name_or_file) {
     throw InputError(fmt::format("unknown effect '{}'{}", name_or_file,
                                  suggestion_for(name_or_file, effects::effect_names())));
   const ConfigNode root = ConfigNode::from_file(name_or_file);
+  root.keys();  // None stands twice; a whole model has more of them than `effects`.
   measurement::EffectList list;
   const ConfigNode effects = root.at("effects");
   for (const std::string& name : effects::effect_keys(effects)) {

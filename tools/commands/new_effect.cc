@@ -216,7 +216,11 @@ void add_new_effect(app::Command app) {
     if (!found)
       throw UsageError(fmt::format("unknown stage '{}'{}", *stage, suggestion_for(*stage, stages)));
     const std::filesystem::path folder = out->empty() ? *name : *out;
-    std::filesystem::create_directories(folder);
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error)
+      throw InputError(
+          fmt::format("{}: cannot make this folder: {}", folder.string(), error.message()));
     const std::filesystem::path source = folder / (*name + ".cc");
     if (std::filesystem::exists(source))
       throw InputError(fmt::format("{}: exists already", source.string()));

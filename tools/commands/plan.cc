@@ -37,6 +37,8 @@ std::vector<std::string> effects_in(const std::vector<std::string>& words, const
       names.push_back(name);
     }
   }
+  if (names.empty() && !words.empty())
+    throw UsageError(fmt::format("{}: found no names, expected a,b,...", option));
   return names;
 }
 

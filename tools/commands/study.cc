@@ -20,7 +20,13 @@ namespace {
 
 std::vector<double> numbers(const std::vector<std::string>& words, const char* option) {
   std::vector<double> all;
-  for (const std::string& word : words) all.push_back(ConfigNode::from_text(word, option).number());
+  for (const std::string& word : words) {
+    try {
+      all.push_back(ConfigNode::from_text(word, option).number());
+    } catch (const InputError&) {
+      throw UsageError(fmt::format("{} {}: expected a number", option, word));
+    }
+  }
   return all;
 }
 

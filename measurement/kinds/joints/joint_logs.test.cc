@@ -11,6 +11,7 @@
 #include "effects/registry.h"
 #include "measurement/kinds/joints/joints.h"
 #include "measurement/kinds/joints/joints_testing.h"
+#include "measurement/kinds/kinds.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
 #include "sim_core/base/random.h"
@@ -57,6 +58,22 @@ TEST(JointLogs, RowsOnACurveByLuckAreNoRate) {
           fmt::format("{},{:.2f},arm,0,{}\n", run, 0.01 * static_cast<double>(k), 1e-3 * rests[k]);
   }
   EXPECT_EQ(logs_of(rows).logs[0].start_radps, 0);
+}
+
+// Where no residual is left there is no spread that could vary.
+TEST(JointLogs, AServoThatNeverErrsHasNoStructure) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "never-errs";
+  std::filesystem::create_directories(folder);
+  std::string rows = "run,time_s,joint,command_rad,measured_rad\n";
+  for (int k = 0; k < 240; ++k) rows += fmt::format("{},{:.2f},pan,0,0\n", k / 60, 0.01 * (k % 60));
+  write_file_atomically(folder / "joints.csv", rows);
+  write_file_atomically(folder / "measurement.yaml",
+                        "format: seam-measurement/1\nkind: joints\nnoise: {measured_rad: 0.001}\n"
+                        "files: {joints: joints.csv}\n");
+  const auto problem = open_problem(folder);
+  const Model model = model_in_blocks("  ideal_servo: {}");
+  problem->prepare(model);
+  EXPECT_THAT(problem->structure(model, problem->all_groups(), 0), testing::IsEmpty());
 }
 
 TEST(JointLogs, EncodersLogTheInverse) {

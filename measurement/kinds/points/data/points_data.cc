@@ -9,6 +9,7 @@
 
 #include "effects/stages/geometry.h"
 #include "measurement/numerics/robust.h"
+#include "measurement/sets/noise_bounds.h"
 #include "measurement/sets/pose_of_view.h"
 #include "sim_core/base/error.h"
 
@@ -119,26 +120,53 @@ void take_places(const std::filesystem::path& path, const std::vector<std::strin
   }
 }
 
+// Places of an earlier fit that lie on a line are none of a target.
+void refuse_places_without_pose(const MeasurementSet& set, const CsvTable& table,
+                                const PointsData& data) {
+  const std::optional<double> noise_px = stated_noise_px(set, table);
+  std::string lack;
+  for (const std::vector<int>& rows : data.rows_of_view) {
+    std::vector<Vec3> points_m, image_px;
+    for (const int row : rows) {
+      points_m.push_back(data.p_W[row]);
+      image_px.emplace_back(data.u_px[row], data.v_px[row], 0);
+    }
+    lack = why_no_pose(points_m, image_px, noise_px);
+    if (lack.empty()) return;
+  }
+  throw InputError(fmt::format(
+      "{}: with these places every view of {} shows {}; expected where the points of the target "
+      "were found (--target-out)",
+      set.target.string(), table.file(), lack));
+}
+
 // Noise that rows state for themselves: sigma_px, or a weight that divides the channel's variance.
-void read_spread(const CsvTable& table, PointsData& data) {
+void check_spread(const CsvTable& table) {
   const bool stated = table.has("sigma_px"), weighted = table.has("weight");
   if (!stated && !weighted) return;
-  const std::string column = stated ? "sigma_px" : "weight";
   if (stated && weighted)
     throw InputError(table.file() +
                      ": found columns sigma_px and weight, expected one of them: both say how "
                      "noisy a row is");
-  data.spread = table.numbers(column);
+  const std::string column = stated ? "sigma_px" : "weight";
+  const std::vector<double> values = table.numbers(column);
   for (size_t row = 0; row < table.rows(); ++row) {
-    const bool possible = stated ? data.spread[row] > 0 : data.spread[row] >= 0;
-    if (!possible)
+    if (values[row] >= kLeastNoise && values[row] <= kMostNoise) continue;
+    if (stated || values[row] != 0)
       table.fail(row, column, table.cell(row, column),
-                 stated ? "a standard deviation above 0" : "a weight of 0 (takes no part) or more");
+                 fmt::format("{} from {:g} to {:g}",
+                             stated ? "a standard deviation" : "a weight, 0 (takes no part) or",
+                             kLeastNoise, kMostNoise));
   }
-  if (stated) {
+}
+
+void read_spread(const CsvTable& table, PointsData& data) {
+  if (table.has("sigma_px")) {
+    data.spread = table.numbers("sigma_px");
     data.sigma_px = median_of(data.spread);
     for (double& sigma : data.spread) sigma /= data.sigma_px;
-  } else {
+  } else if (table.has("weight")) {
+    data.spread = table.numbers("weight");
     for (double& weight : data.spread) weight = weight > 0 ? 1 / std::sqrt(weight) : 0;
   }
 }
@@ -183,6 +211,7 @@ PointsData read_points(const MeasurementSet& set, Rig rig, bool measured, Facts&
   if (data.camera.width_px == 0) set.root.at("camera").fail("missing");
   CsvTable table = set.table("points");
   if (table.rows() == 0) throw InputError(table.file() + ": no rows, expected observations");
+  if (measured) check_spread(table);
   if (measured && data.rig.type() == Rig::Type::unknown) leave_out_poor_views(set, table, facts);
   facts.set.kind = effects::kPoints;
   facts.title = set.title;
@@ -225,7 +254,11 @@ PointsData read_points(const MeasurementSet& set, Rig rig, bool measured, Facts&
   }
   std::vector<std::string> names;
   data.point_of_row = number_groups(table.texts("point"), names);
-  if (!set.target.empty()) take_places(set.target, names, data, facts);
+  if (!set.target.empty()) {
+    take_places(set.target, names, data, facts);
+    if (measured && data.rig.type() == Rig::Type::unknown)
+      refuse_places_without_pose(set, table, data);
+  }
   data.target = target_of_rows(names, data.point_of_row, data.p_W, data.frame_of_row);
   facts.time_of_row = data.stamp_s;
   facts.series_of_row = data.view_of_row;

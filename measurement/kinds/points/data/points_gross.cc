@@ -9,6 +9,7 @@
 
 #include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/robust.h"
+#include "sim_core/base/error.h"
 
 namespace seam::measurement {
 namespace {
@@ -117,6 +118,11 @@ class Gross {
     far_from_the_target();
     if (data_.rig.type() == Rig::Type::unknown) by_view();
     if (std::find(bad_.begin(), bad_.end(), 1) == bad_.end()) return {};
+    if (std::find(bad_.begin(), bad_.end(), 0) == bad_.end())
+      throw InputError(fmt::format(
+          "{}: no row takes part, expected views that show the target, each corner under its own "
+          "name. {}",
+          facts_.file, fmt::join(facts_.notes, ". ")));
     std::vector<char> scalars;
     for (const char bad : bad_) scalars.insert(scalars.end(), 2, bad);
     return scalars;

@@ -9,6 +9,7 @@
 #include <functional>
 
 #include "measurement/kinds/kinds.h"
+#include "measurement/kinds/points/views_testing.h"
 #include "measurement/search/models/compare.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
@@ -150,6 +151,37 @@ TEST(PoorViews, ASetOfNothingElseIsRefused) {
       [&] { open_problem(poor_set(what)); },
       testing::ThrowsMessage<InputError>(AllOf(HasSubstr("no view (frame) fixes a pose"),
                                                HasSubstr("frame a, b"), HasSubstr("frame c"))));
+}
+
+TEST(PoorViews, PlacesOfAnEarlierFitOnALineAreRefused) {
+  const auto folder = poor_set({.name = "places"});
+  std::string places = "point,x_m,y_m,z_m\n";
+  for (int point = 0; point < kCornersAlong * kCornersAcross; ++point)
+    places += fmt::format("{},{},0,0\n", point, kPitch_m * (point % kCornersAlong));
+  write_file_atomically(folder / "places.csv", places);
+  MeasurementSet set = MeasurementSet::open(folder);
+  set.target = folder / "places.csv";
+  EXPECT_THAT([&] { open_problem(set); },
+              testing::ThrowsMessage<InputError>(
+                  AllOf(HasSubstr("places.csv: with these places every view of"),
+                        HasSubstr("points.csv shows points on one line of the target"))));
+}
+
+// Each name at another place: no view is an image of the target.
+TEST(PoorViews, ASetOfNothingButWrongNamesIsRefused) {
+  std::string rows;
+  for (int frame = 0; frame < 6; ++frame) {
+    for (int point = 0; point < 49; ++point) {
+      const auto draw = static_cast<uint64_t>(2 * (49 * frame + point));
+      rows += fmt::format("{},{},{},{},{},0,{:.3f},{:.3f}\n", frame, frame, point,
+                          0.03 * (point % 7), 0.03 * (point / 7), 320 + 50 * normal({4, 1}, draw),
+                          240 + 40 * normal({4, 1}, draw + 1));
+    }
+  }
+  EXPECT_THAT([&] { open_problem(write_views("wrong-names", rows)); },
+              testing::ThrowsMessage<InputError>(
+                  AllOf(HasSubstr("points.csv: no row takes part, expected views"),
+                        HasSubstr("frame 0 is no smooth image of the target"))));
 }
 
 }  // namespace

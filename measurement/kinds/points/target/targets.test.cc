@@ -348,6 +348,15 @@ TEST(Targets, RowsStateTheirOwnNoise) {
             }}));
   EXPECT_NEAR(weighted->facts().channels[0].noise, kCornerNoise_px, 0.03);
   EXPECT_NEAR(compare(*weighted, pinhole_model()).base.assessment.error, 1, 0.1);
+  for (const std::string cell : {",1e300", ",1e-300", ",-1"}) {
+    for (const std::string column : {",sigma_px", ",weight"})
+      EXPECT_THAT(
+          [&] {
+            open_problem(
+                made({.name = "beyond", .columns = column, .cells = [&](int) { return cell; }}));
+          },
+          testing::ThrowsMessage<InputError>(HasSubstr("from 1e-12 to 1e+12")));
+  }
   const auto both = made({.name = "both", .columns = ",weight,sigma_px", .cells = [](int) {
                             return std::string(",1,0.1");
                           }});
