@@ -168,6 +168,21 @@ Assessment assess(const Problem& problem, const Model& model,
   return result;
 }
 
+void add_to_key(const std::string& text, std::vector<double>& key) {
+  key.push_back(static_cast<double>(std::hash<std::string>{}(text) >> 12));
+}
+
+std::vector<double> key_of(const Problem& problem, const Assessment& assessment) {
+  std::vector<double> key = {static_cast<double>(problem.times_marked()), assessment.total_ll};
+  for (const Unknown& unknown : assessment.unknowns)
+    add_to_key(unknown.effect + "." + std::to_string(unknown.parameter), key);
+  for (const effects::ModelEffect& effect : assessment.model.effects()) {
+    add_to_key(effect.definition->name + "\n" + effect.definition->source, key);
+    for (const double value : effect.values()) key.push_back(value);
+  }
+  return key;
+}
+
 void check_enough(const Problem& problem, const Assessment& assessment) {
   const Score& held = assessment.held;
   const auto fail = [&](const std::string& what, int64_t residuals, int64_t unknowns) {

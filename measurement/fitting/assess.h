@@ -27,6 +27,10 @@ std::vector<Unknown> refitted_unknowns(const Model& model);
 
 Assessment assess(const Problem& problem, const Model& model, const std::vector<Unknown>& unknowns);
 
+// Of a Memo: all that what is worked out beside an assessment depends on.
+std::vector<double> key_of(const Problem& problem, const Assessment& assessment);
+void add_to_key(const std::string& text, std::vector<double>& key);
+
 // The same, fitted to these groups of `shown` (this problem, or its beginnings) instead of to all
 // that may be.
 Assessment assess_fitted_to(const Problem& problem, const Problem& shown, const Groups& groups,

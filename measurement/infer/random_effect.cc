@@ -5,35 +5,30 @@
 #include "measurement/numerics/linear_algebra.h"
 
 namespace seam::measurement {
-namespace {
+RandomCoefficients::RandomCoefficients(const Eigen::MatrixXd& gram, Eigen::VectorXd ratios)
+    : ratios_(std::move(ratios)) {
+  SymmetricEigen eigen = symmetric_eigen(ratios_.asDiagonal() * gram * ratios_.asDiagonal());
+  strength_ = std::move(eigen.values);
+  directions_ = std::move(eigen.vectors);
+}
 
-// In the directions of the Gram matrix's eigenvectors the coefficients are independent.
-struct Directions {
-  Eigen::VectorXd strength, along;  // Eigenvalues, and the right side by eigenvector.
-
-  double gain(double variance) const {
+RandomEffect RandomCoefficients::effect(const Eigen::VectorXd& right) const {
+  const Eigen::VectorXd along = directions_.transpose() * ratios_.cwiseProduct(right);
+  const auto gain = [&](double variance) {
     double sum = 0;
-    for (Eigen::Index i = 0; i < strength.size(); ++i) {
-      const double wider = 1 + variance * std::max(strength[i], 0.0);
+    for (Eigen::Index i = 0; i < along.size(); ++i) {
+      const double wider = 1 + variance * std::max(strength_[i], 0.0);
       sum += variance * along[i] * along[i] / wider - std::log(wider);
     }
     return 0.5 * sum;
-  }
-};
-
-}  // namespace
-
-RandomEffect random_effect(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right,
-                           const Eigen::VectorXd& ratios) {
-  const SymmetricEigen eigen = symmetric_eigen(ratios.asDiagonal() * gram * ratios.asDiagonal());
-  const Directions directions{eigen.values, eigen.vectors.transpose() * ratios.cwiseProduct(right)};
+  };
   // From an effect far below what any data show to one far above: two steps a decade, then nearer.
   // A wider one would be told by directions that are nothing but rounding (1e-16 of the strongest).
   double best = 0, most = 0, step = std::log(10) / 2;
-  const double scale = std::max(1e-300, eigen.values.maxCoeff());
+  const double scale = std::max(1e-300, strength_.maxCoeff());
   const auto look = [&](double log_variance) {
-    const double gain = directions.gain(std::exp(log_variance));
-    if (gain > most) most = gain, best = log_variance;
+    const double at = gain(std::exp(log_variance));
+    if (at > most) most = at, best = log_variance;
   };
   const double first = std::log(1e-3 / scale);
   for (int k = 0; k <= 26; ++k) look(first + k * step);
@@ -42,9 +37,10 @@ RandomEffect random_effect(const Eigen::MatrixXd& gram, const Eigen::VectorXd& r
     const double centre = best;
     look(centre - 0.5 * step), look(centre + 0.5 * step);
   }
-  Eigen::VectorXd spread = std::exp(0.5 * best) * ratios;
-  Eigen::VectorXd coefficients = coefficients_of(gram, right, spread);
-  return {std::move(spread), most, std::move(coefficients)};
+  const double variance = std::exp(best);
+  const Eigen::VectorXd drawn =
+      variance * along.array() / (1 + variance * strength_.array().max(0.0));
+  return {std::sqrt(variance) * ratios_, most, ratios_.cwiseProduct(directions_ * drawn)};
 }
 
 Eigen::VectorXd coefficients_of(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right,

@@ -17,8 +17,16 @@ struct RandomEffect {
 // Residuals r of unit noise are columns * coefficients + noise: `gram` is columns' columns, `right`
 // columns' r, and with S = diag(spread), s its factor over `ratios`, the gain is
 //   ln p(r | s) - ln p(r | 0) = 1/2 right' (gram + S^-2)^-1 right - 1/2 ln |1 + S gram S|.
-RandomEffect random_effect(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right,
-                           const Eigen::VectorXd& ratios);
+// Dear to make, and cheap to ask again of other residuals.
+class RandomCoefficients {
+ public:
+  RandomCoefficients(const Eigen::MatrixXd& gram, Eigen::VectorXd ratios);
+  RandomEffect effect(const Eigen::VectorXd& right) const;
+
+ private:
+  Eigen::VectorXd ratios_, strength_;  // Eigenvalues of gram, scaled by the ratios.
+  Eigen::MatrixXd directions_;         // In which coefficients over their ratios are independent.
+};
 
 // The mean of coefficients with these spreads, none of which is 0.
 Eigen::VectorXd coefficients_of(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right,

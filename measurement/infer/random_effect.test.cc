@@ -38,8 +38,8 @@ Eigen::VectorXd ratios_of(const Data& data) {
 }
 
 RandomEffect effect_of(const Data& data) {
-  return random_effect(data.columns.transpose() * data.columns,
-                       data.columns.transpose() * data.residuals, ratios_of(data));
+  return RandomCoefficients(data.columns.transpose() * data.columns, ratios_of(data))
+      .effect(data.columns.transpose() * data.residuals);
 }
 
 // ln of the normal density of the residuals with coefficients of these spreads, but for a constant.

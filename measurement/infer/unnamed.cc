@@ -44,8 +44,8 @@ class Residuals {
   // A function's columns, without what follows them, and what they gain.
   struct Function {
     MatrixXd columns, gram;
-    VectorXd smoother;  // FieldColumns::smoother.
-    MatrixXd named;     // Orthonormal: of FieldPlace::named.
+    std::vector<RandomCoefficients> priors;  // As rough and as smooth as FieldColumns has them.
+    MatrixXd named;                          // Orthonormal: of FieldPlace::named.
     std::array<MatrixXd, kParts> gram_of_part;
     RandomEffect effect;
   };
@@ -131,9 +131,7 @@ Residuals::Function Residuals::function_of(const SmoothField& field) const {
   const auto columns =
       problem_.following(model_, problem_.all_groups(), here_, std::move(made.values));
   const auto count = static_cast<Index>(columns.size());
-  Function function{.columns = own_of(columns),
-                    .gram = MatrixXd::Zero(count, count),
-                    .smoother = Eigen::Map<const VectorXd>(made.smoother.data(), count)};
+  Function function{.columns = own_of(columns), .gram = MatrixXd::Zero(count, count)};
   if (!field.place->named.empty()) {
     function.named = column_basis(own_of(field.place->named), 1e-6);
     function.columns -= function.named * (function.named.transpose() * function.columns);
@@ -142,6 +140,9 @@ Residuals::Function Residuals::function_of(const SmoothField& field) const {
     const auto own = rows_of(function.columns, part);
     function.gram += function.gram_of_part[part] = own.transpose() * own;
   }
+  function.priors.emplace_back(function.gram, VectorXd::Ones(count));
+  function.priors.emplace_back(function.gram,
+                               Eigen::Map<const VectorXd>(made.smoother.data(), count));
   return function;
 }
 
@@ -198,8 +199,8 @@ std::optional<UnnamedCause> Residuals::best_cause(std::vector<TriedFunction>* tr
       function.effect = {};
       if (function.columns.cols() == 0) return;
       const VectorXd right = function.columns.transpose() * rest_;
-      for (const VectorXd& ratios : {VectorXd(VectorXd::Ones(right.size())), function.smoother}) {
-        RandomEffect effect = random_effect(function.gram, right, ratios);
+      for (const RandomCoefficients& prior : function.priors) {
+        RandomEffect effect = prior.effect(right);
         if (effect.log_evidence > function.effect.log_evidence) function.effect = std::move(effect);
       }
       if (function.effect.log_evidence > kLeastGain && held_out_gain(function) <= 0)
@@ -254,62 +255,79 @@ bool same_values(const Model& a, const Model& b) {
   });
 }
 
-// The best cause beside an explanation; its lead is what it gains.
-struct Beside {
-  double log_evidence = 0;  // Of the explanation, its own parameters fitted to all groups.
-  std::optional<UnnamedCause> cause;
+CauseBeside best_beside(const Problem& problem, const Assessment& assessment) {
+  CauseBeside out;
+  Residuals residuals(problem.with_residuals(), assessment.model, assessment.unknowns);
+  if (!residuals.valid()) return out;
+  out.step_gain = residuals.step_gain();
+  out.cause = residuals.best_cause(&out.tried);
+  return out;
+}
+
+// What is known of an explanation, and its log-evidence where its parameters fit all groups.
+struct Compared {
+  std::shared_ptr<const CauseBeside> beside;
+  double log_evidence = 0;
 };
 
 // `other_noise` is the explanation's model with another noise than its own.
-Beside cause_beside(const Problem& problem, const Explanation& explanation,
-                    std::vector<TriedFunction>* tried, const Model* other_noise = nullptr) {
-  Beside out{.log_evidence = explanation.log_evidence};
-  const Assessment& assessment = *explanation.assessment;
-  const Model& model = other_noise != nullptr ? *other_noise : assessment.model;
-  const Problem& seen = problem.with_residuals();
-  Residuals residuals(seen, model, assessment.unknowns);
-  if (!residuals.valid()) return out;
+Compared compared(const Problem& problem, const Explanation& explanation, const KnownCauses& known,
+                  const Model* other_noise = nullptr) {
+  Assessment assessment = *explanation.assessment;
+  Compared out{.log_evidence = explanation.log_evidence};
   if (other_noise != nullptr) {
     const Groups all = problem.all_groups();
-    out.log_evidence += problem.score(model, all).log_likelihood -
+    out.log_evidence += problem.score(*other_noise, all).log_likelihood -
                         problem.score(assessment.model, all).log_likelihood;
+    assessment.model = *other_noise;
   }
+  out.beside =
+      known.of(0, key_of(problem, assessment), [&] { return best_beside(problem, assessment); });
   // Rows were fitted: where averages of them are seen, these may ask for another step.
-  if (&seen == &problem || other_noise != nullptr) out.log_evidence += residuals.step_gain();
-  out.cause = residuals.best_cause(tried);
+  if (&problem.with_residuals() == &problem || other_noise != nullptr)
+    out.log_evidence += out.beside->step_gain;
   return out;
+}
+
+// Ahead of the last explanation, all of whose causes have names.
+std::optional<UnnamedCause> ahead_of(const Compared& last, const Compared& here,
+                                     bool noise_follows) {
+  std::optional<UnnamedCause> cause = here.beside->cause;
+  const double ahead = here.log_evidence - last.log_evidence;
+  if (!cause || !std::isfinite(ahead)) return std::nullopt;
+  // Where something is left that is no noise, evidence is too sure.
+  const double misfit = std::max(1.0, cause->error_after * cause->error_after);
+  const double short_by = noise_follows ? kStepFallsShort * cause->lead : 0;
+  cause->lead = (cause->lead + short_by + ahead) / misfit;
+  return cause;
 }
 
 }  // namespace
 
 std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
                                           const std::vector<Explanation>& explanations,
-                                          double material, std::vector<TriedFunction>* tried) {
+                                          double material, const KnownCauses& known,
+                                          std::vector<TriedFunction>* tried) {
   const Explanation& last = explanations.back();
-  const Beside beside_last = cause_beside(problem, last, tried);
-  const auto compared = [&](Beside beside, const Explanation& explanation) {
-    const double ahead = beside.log_evidence - beside_last.log_evidence;
-    std::optional<UnnamedCause>& cause = beside.cause;
-    if (!cause || !std::isfinite(ahead)) return std::optional<UnnamedCause>();
-    // Where something is left that is no noise, evidence is too sure.
-    const double misfit = std::max(1.0, cause->error_after * cause->error_after);
-    const double short_by = explanation.noise_follows ? kStepFallsShort * cause->lead : 0;
-    cause->lead = (cause->lead + short_by + ahead) / misfit;
-    return std::move(cause);
-  };
+  const Compared at_last = compared(problem, last, known);
+  if (tried != nullptr) *tried = at_last.beside->tried;
   std::vector<std::optional<UnnamedCause>> causes;
   for (size_t e = 0; e + 1 < explanations.size(); ++e) {
     const Explanation& explanation = explanations[e];
-    causes.push_back(compared(cause_beside(problem, explanation, nullptr), explanation));
+    const auto beside = [&](const Model* other_noise) {
+      return ahead_of(at_last, compared(problem, explanation, known, other_noise),
+                      explanation.noise_follows);
+    };
+    causes.push_back(beside(nullptr));
     if (!causes.back()) continue;
     // Noise that is fitted takes what an explanation leaves, and hides a part of a cause.
     const Model& own = explanation.assessment->model;
     const Model quiet = with_noise_of(own, last.assessment->model);
     if (same_values(quiet, own)) continue;
-    auto other = compared(cause_beside(problem, explanation, nullptr, &quiet), explanation);
+    auto other = beside(&quiet);
     if (other && other->lead > causes.back()->lead) causes.back() = std::move(other);
   }
-  causes.push_back(compared(beside_last, last));
+  causes.push_back(ahead_of(at_last, at_last, last.noise_follows));
   // What is too small to count beside the last makes no other explanation better than it.
   const bool is_trace = causes.back() && causes.back()->noise_units < material;
   const double trace = is_trace ? std::max(0.0, causes.back()->lead) : 0;

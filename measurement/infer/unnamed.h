@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "measurement/fitting/assess.h"
+#include "measurement/problem/memo.h"
 
 namespace seam::measurement {
 
@@ -38,12 +39,21 @@ struct TriedFunction {
   double log_evidence = 0;  // That it gains, less the price of the look.
 };
 
+// The best cause beside one explanation; its lead is what it gains.
+struct CauseBeside {
+  double step_gain = 0;  // Of log-likelihood, where its own parameters are fitted to all groups.
+  std::optional<UnnamedCause> cause;
+  std::vector<TriedFunction> tried;
+};
+// A search asks about most explanations several times.
+using KnownCauses = Memo<CauseBeside>;
+
 // The best cause beside one of the explanations, each of which grew from the one before it, where
 // it is ahead of the last and groups that are held out agree. `material` is the least change in
 // noise units that counts. `tried` receives the functions tried beside the last.
 std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
                                           const std::vector<Explanation>& explanations,
-                                          double material,
+                                          double material, const KnownCauses& known,
                                           std::vector<TriedFunction>* tried = nullptr);
 
 // For each set of effects of an explanation: of what they take of the residuals together, in

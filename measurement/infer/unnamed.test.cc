@@ -65,7 +65,7 @@ std::optional<UnnamedCause> cause_of(const Bent& problem, const std::vector<Asse
     const double price = 0.5 * std::log(600) * static_cast<double>(way.unknowns.size());
     explanations.push_back({&way, way.total_ll - price});
   }
-  return unnamed_cause(problem, explanations, kMaterialShare);
+  return unnamed_cause(problem, explanations, kMaterialShare, KnownCauses{1});
 }
 
 TEST(Unnamed, ACauseThatNoEffectDescribesIsFoundByWhatItDependsOn) {
@@ -98,7 +98,9 @@ TEST(Unnamed, AnExplanationCountsAsFittedToAllGroups) {
     Assessment given = problem.fitted(Bent::level());
     given.model.set_value("level", 0, given.model.find("level")->value("y") + off);
     const double ll = problem.score(given.model, problem.all_groups()).log_likelihood;
-    return unnamed_cause(problem, {{&given, ll}, {&last, last.total_ll}}, kMaterialShare)->lead;
+    return unnamed_cause(problem, {{&given, ll}, {&last, last.total_ll}}, kMaterialShare,
+                         KnownCauses{1})
+        ->lead;
   };
   EXPECT_NEAR(lead_beside(0.1), lead_beside(0), 1e-6);
 }
@@ -107,9 +109,10 @@ TEST(Unnamed, AnExplanationCountsAsFittedToAllGroups) {
 TEST(Unnamed, AFunctionTakesThePlaceOfNoiseThatTakesWhatItTakes) {
   const Bent problem(0.5);
   const Assessment given = problem.fitted(Bent::level()), all = problem.fitted(Bent::with_all());
-  const auto gain = unnamed_cause(problem, {{&given, 0}}, kMaterialShare)->lead;
+  const auto gain = unnamed_cause(problem, {{&given, 0}}, kMaterialShare, KnownCauses{1})->lead;
   const auto beside_noise = [&](double share, bool is_noise) {
-    return unnamed_cause(problem, {{&given, 0, is_noise}, {&all, share * gain}}, kMaterialShare);
+    return unnamed_cause(problem, {{&given, 0, is_noise}, {&all, share * gain}}, kMaterialShare,
+                         KnownCauses{1});
   };
   EXPECT_TRUE(beside_noise(1.02, true));
   EXPECT_FALSE(beside_noise(1.02, false));

@@ -94,22 +94,11 @@ std::optional<Grown> in_its_place(const Grown& grown, const std::string& out,
   return other;
 }
 
-// All that an exchange depends on but the effects that change places.
 std::vector<double> key_of(const Problem& problem, const Grown& grown,
                            const std::vector<std::string>& change = {}) {
-  std::vector<double> key = {static_cast<double>(problem.times_marked()),
-                             grown.assessment.total_ll};
-  const auto add = [&](const std::string& text) {
-    key.push_back(static_cast<double>(std::hash<std::string>{}(text) >> 12));
-  };
-  for (const std::string& name : change) add(name);
-  for (const std::string& name : grown.added) add(name);
-  for (const Unknown& unknown : grown.assessment.unknowns)
-    add(unknown.effect + "." + std::to_string(unknown.parameter));
-  for (const effects::ModelEffect& effect : grown.assessment.model.effects()) {
-    add(effect.definition->name + "\n" + effect.definition->source);
-    for (const double value : effect.values()) key.push_back(value);
-  }
+  std::vector<double> key = key_of(problem, grown.assessment);
+  for (const std::string& name : change) add_to_key(name, key);
+  for (const std::string& name : grown.added) add_to_key(name, key);
   return key;
 }
 

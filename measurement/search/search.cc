@@ -32,6 +32,7 @@ class Searcher {
   SearchResult run();
 
  private:
+  static constexpr size_t kKeptCauses = 32;
   Grown base() const {
     const Assessment given = assess(problem_, model_, refitted_unknowns(model_));
     return {.assessment = given, .given_error = given.error};
@@ -63,6 +64,7 @@ class Searcher {
   const Progress& progress_;
   const double material_;
   const Exchanges exchanges_;
+  const KnownCauses causes_{1, kKeptCauses};
   Grown base_;
   double looks_ = 1;
   Looks first_;                         // On the base, had in the last round that looked at it.
@@ -100,7 +102,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
   std::vector<Grown> way = {base_};
   for (size_t step = 0; step < kMostSteps; ++step) {
     if (!grown.added.empty()) way.push_back(grown);
-    const bool imitate = names_imitate(problem_, way, material_);
+    const bool imitate = names_imitate(problem_, way, material_, causes_);
     progress_("step " + std::to_string(step + 1) + ": trying effects");
     // Every effect is fitted where the search would end with a misfit: a step from small starts may
     // have promised too little.
@@ -121,7 +123,8 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
     // Unless the next one explains the set after all.
     std::vector<Grown> farther = way;
     if (next) farther.push_back(next->grown);
-    if ((no_name_explains_ = imitate && names_imitate(problem_, farther, material_))) break;
+    if ((no_name_explains_ = imitate && names_imitate(problem_, farther, material_, causes_)))
+      break;
     if (auto better = fitted_better(problem_, grown, next, looks.candidates)) {
       grown = *std::move(better);
       prune(grown);
@@ -206,8 +209,8 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
   result.first_is_of_base = !found;
   no_name_explains_ = false;
   result.best = base_;
-  const bool moves_first =
-      !found && all_useless(base_, first_) && !explained_without_name(problem_, {base_}, material_);
+  const bool moves_first = !found && all_useless(base_, first_) &&
+                           !explained_without_name(problem_, {base_}, material_, causes_);
   if (moves_first) begin_with_moves(moves_ = look_at_moves(), result);
   std::vector<Candidate> traces;
   Grown alone = found ? grow(*std::move(found), nullptr, traces)
@@ -218,7 +221,7 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
   }
   if (problem_.effects_imitate()) try_beginnings(result);
   if (!moves_first && misses(result.best.assessment) &&
-      !explained_without_name(problem_, {base_, result.best}, material_))
+      !explained_without_name(problem_, {base_, result.best}, material_, causes_))
     begin_with_moves(moves_ = look_at_moves(), result);
   begin_with_rest(result);
   result.first = first_;
@@ -345,13 +348,14 @@ SearchResult Searcher::run() {
     order_steps(problem_, by_name, result);
   } while (remove_neutral(problem_, result.best));
   progress_("looking for a cause without a name");
-  look_for_unnamed(problem_, result);
+  look_for_unnamed(problem_, causes_, result);
   if (!result.unnamed) keep_traces(problem_, looks_, result);  // Else they are not to be trusted.
   progress_("testing what structure remains");
   const SplitStructure of_base = significant_structure(problem_, base_.assessment, material_);
   give_verdict(problem_, of_base, result);
-  while (leave_out_doubted(problem_, result)) give_verdict(problem_, of_base, result);
-  if (look_for_formula(problem_, progress_, result)) give_verdict(problem_, of_base, result);
+  while (leave_out_doubted(problem_, causes_, result)) give_verdict(problem_, of_base, result);
+  if (look_for_formula(problem_, progress_, causes_, result))
+    give_verdict(problem_, of_base, result);
   hold_against_splines(problem_, progress_, searched, result);
   tell_ties(problem_, by_name, exchanges_, searched, promising_, result);
   rank_by_search(problem_, result);

@@ -90,10 +90,10 @@ std::vector<std::string> steps_in_question(const SearchResult& result, const aut
 // Steps that smooth functions can take the place of go, where the functions then explain something
 // and leave no more than `most_left`. Returns whether they went.
 bool leave_out(const Problem& problem, const std::vector<std::string>& names, double most_left,
-               SearchResult& result) {
+               const KnownCauses& known, SearchResult& result) {
   Grown less = fitted_without(problem, result.best, names);
   if (!less.assessment.valid) return false;
-  auto cause = unnamed_beside(problem, {less}, result.material);
+  auto cause = unnamed_beside(problem, {less}, result.material, known);
   if (!cause || cause->error_after > most_left) return false;
   if (result.mimics.empty()) result.mimics_error = result.best.assessment.error;
   result.mimics.insert(result.mimics.begin(), names.begin(), names.end());
@@ -123,7 +123,7 @@ bool give_way_to_trace(const Problem& problem, const std::vector<std::string>& n
 // Beside a cause without a name a step may only stand for what smooth functions miss of it: one
 // after another those go of which the least is their own. What moves far more than the cause does
 // is no part of it.
-void leave_out_mimics(const Problem& problem, SearchResult& result) {
+void leave_out_mimics(const Problem& problem, const KnownCauses& known, SearchResult& result) {
   const double far = kFarAboveUnnamed * result.unnamed->noise_units;
   std::vector<std::string> names =
       steps_in_question(result, [&](const Step& step) { return !(step.moved >= far); });
@@ -134,7 +134,7 @@ void leave_out_mimics(const Problem& problem, SearchResult& result) {
     const auto least = std::min_element(own.begin(), own.end());
     if (!(*least < kOwnBesideUnnamed)) return;
     const auto mimic = names.begin() + (least - own.begin());
-    leave_out(problem, {*mimic}, std::numeric_limits<double>::infinity(), result);
+    leave_out(problem, {*mimic}, std::numeric_limits<double>::infinity(), known, result);
     names.erase(mimic);
   }
 }
@@ -172,50 +172,53 @@ bool adds_noise_alone(const Grown& earlier, const Grown& last) {
 }  // namespace
 
 std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::vector<Grown>& grown,
-                                           double material, std::vector<TriedFunction>* tried) {
+                                           double material, const KnownCauses& known,
+                                           std::vector<TriedFunction>* tried) {
   std::vector<Explanation> explanations;
   for (const Grown& g : grown)
     explanations.push_back(
         {&g.assessment, merit_of(problem, g), adds_noise_alone(g, grown.back())});
-  auto cause = unnamed_cause(problem, explanations, material, tried);
+  auto cause = unnamed_cause(problem, explanations, material, known, tried);
   if (cause && !explains_better(cause->lead, cause->error_after, grown.back())) cause.reset();
   return cause;
 }
 
 bool explained_without_name(const Problem& problem, const std::vector<Grown>& grown,
-                            double material) {
-  const auto cause = unnamed_beside(problem, grown, material);
+                            double material, const KnownCauses& known) {
+  const auto cause = unnamed_beside(problem, grown, material, known);
   return cause && cause->error_after < kMisfit;
 }
 
-bool names_imitate(const Problem& problem, const std::vector<Grown>& way, double material) {
+bool names_imitate(const Problem& problem, const std::vector<Grown>& way, double material,
+                   const KnownCauses& known) {
   constexpr size_t kLeast = 3;  // The first step may stand for several effects.
   if (way.size() < kLeast || adds_noise(way[0], way[1])) return false;
-  const auto cause = unnamed_beside(problem, way, material);
+  const auto cause = unnamed_beside(problem, way, material, known);
   return cause && cause->error_after < kMisfit && cause->beside + 1 < way.size();
 }
 
-void look_for_unnamed(const Problem& problem, SearchResult& result) {
+void look_for_unnamed(const Problem& problem, const KnownCauses& known, SearchResult& result) {
   const std::vector<Grown> grown = explanations_of(result);
-  result.unnamed = unnamed_beside(problem, grown, result.material, &result.functions);
+  result.unnamed = unnamed_beside(problem, grown, result.material, known, &result.functions);
   if (!result.unnamed) return;
   end_steps_at(result.unnamed->beside, grown[result.unnamed->beside], result);
-  leave_out_mimics(problem, result);
+  leave_out_mimics(problem, known, result);
 }
 
-bool leave_out_doubted(const Problem& problem, SearchResult& result) {
+bool leave_out_doubted(const Problem& problem, const KnownCauses& known, SearchResult& result) {
   const std::vector<std::string> doubted =
       steps_in_question(result, [](const Step& step) { return !step.doubts.empty(); });
   if (doubted.empty()) return false;
   if (give_way_to_trace(problem, doubted, result)) return true;
   if (own_shares(problem, result.best.assessment, {doubted})[0] >= kOwnBesideUnnamed ||
-      !leave_out(problem, doubted, kMisfit, result))
+      !leave_out(problem, doubted, kMisfit, known, result))
     return false;
-  leave_out_mimics(problem, result);
+  leave_out_mimics(problem, known, result);
   return true;
 }
 
-bool look_for_formula(const Problem& problem, const Progress& progress, SearchResult& result) {
+bool look_for_formula(const Problem& problem, const Progress& progress, const KnownCauses& known,
+                      SearchResult& result) {
   const std::vector<Grown> grown = explanations_of(result);
   const Grown& last = grown.back();
   const size_t of_mean = steps_of_mean(result);
@@ -223,7 +226,7 @@ bool look_for_formula(const Problem& problem, const Progress& progress, SearchRe
   // noise, nor where smooth functions, which follow any formula, explain nothing.
   const auto competes = [&] {
     return result.steps.size() > 1 && last.assessment.error > 1 &&
-           explained_without_name(problem, {result.base}, result.material);
+           explained_without_name(problem, {result.base}, result.material, known);
   };
   if (result.verdict != "unexplained_structure" && last.assessment.error < kMisfit &&
       of_mean == result.steps.size() && !competes())
@@ -251,7 +254,8 @@ bool look_for_formula(const Problem& problem, const Progress& progress, SearchRe
   if (!result.suggestion || beside == result.steps.size()) return false;
   end_steps_at(beside, grown[beside], result);
   // What smooth functions explain beside a step that is none says nothing of the cause.
-  if (result.unnamed) result.unnamed = unnamed_beside(problem, {result.best}, result.material);
+  if (result.unnamed)
+    result.unnamed = unnamed_beside(problem, {result.best}, result.material, known);
   return true;
 }
 

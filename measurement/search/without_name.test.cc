@@ -50,7 +50,7 @@ TEST(LookForUnnamed, AStepThatOnlyImitatesAWaveIsNoStep) {
                  .assessment = assess(problem, cube, {{"level", 0}, {"cube", 0}})};
   ASSERT_LT(result.best.assessment.error, result.base.assessment.error);
   result.steps = {{.effect = "cube", .after = result.best.assessment}};
-  look_for_unnamed(problem, result);
+  look_for_unnamed(problem, KnownCauses{1}, result);
   ASSERT_TRUE(result.unnamed);
   EXPECT_EQ(result.unnamed->depends_on, std::vector<std::vector<std::string>>{{"x"}});
   EXPECT_EQ(result.mimics, std::vector<std::string>{"cube"});
@@ -110,7 +110,7 @@ TEST_F(CubeAndFast, AStepGoesThatFunctionsCanDoAndOneStaysThatTheyCannot) {
   const Assessment best = result_.best.assessment;
   EXPECT_LT(own_shares(problem_, best, {{"cube"}})[0], 0.1);
   EXPECT_GT(own_shares(problem_, best, {{"fast"}})[0], 0.9);
-  look_for_unnamed(problem_, result_);
+  look_for_unnamed(problem_, KnownCauses{1}, result_);
   ASSERT_TRUE(result_.unnamed);
   EXPECT_EQ(result_.mimics, std::vector<std::string>{"cube"});
   ASSERT_EQ(result_.steps.size(), 1u);
@@ -149,13 +149,13 @@ TEST(NamesImitate, StepsThatFunctionsDoBetterEndASearch) {
     if (way.size() > 1) way.back().added = way[way.size() - 2].added;
     if (way.size() > 1) way.back().added.push_back(name);
     // The first step may stand for several effects.
-    EXPECT_EQ(names_imitate(problem, way, kMaterial), way.size() == 3) << name;
+    EXPECT_EQ(names_imitate(problem, way, kMaterial, KnownCauses{1}), way.size() == 3) << name;
   }
   // What begins with noise is no explanation yet.
   EffectDefinition noise = *sized("cube");
   noise.spread_only = true;
   way[1].assessment.model.set(std::make_shared<const EffectDefinition>(noise), {{.value = 1}});
-  EXPECT_FALSE(names_imitate(problem, way, kMaterial));
+  EXPECT_FALSE(names_imitate(problem, way, kMaterial, KnownCauses{1}));
 }
 
 TEST_F(CubeAndFast, AStepThatFunctionsCannotDoEndsNone) {
@@ -164,14 +164,14 @@ TEST_F(CubeAndFast, AStepThatFunctionsCannotDoEndsNone) {
     way.push_back({.added = way.back().added, .assessment = step.after});
     way.back().added.push_back(step.effect);
   }
-  EXPECT_FALSE(names_imitate(problem_, way, kMaterial));
+  EXPECT_FALSE(names_imitate(problem_, way, kMaterial, KnownCauses{1}));
 }
 
 TEST_F(CubeAndFast, WhatIsDoubtedGoesWhereFunctionsCanDoIt) {
   result_.steps[1].doubts = {"its range ends"};
-  EXPECT_FALSE(leave_out_doubted(problem_, result_));
+  EXPECT_FALSE(leave_out_doubted(problem_, KnownCauses{1}, result_));
   result_.steps[1].doubts.clear(), result_.steps[0].doubts = {"its range ends"};
-  EXPECT_TRUE(leave_out_doubted(problem_, result_));
+  EXPECT_TRUE(leave_out_doubted(problem_, KnownCauses{1}, result_));
   EXPECT_EQ(result_.mimics, std::vector<std::string>{"cube"});
   ASSERT_TRUE(result_.unnamed);
   EXPECT_EQ(result_.unnamed->beside, 1u);
@@ -193,7 +193,7 @@ bool gives_way(double size) {
                  .assessment = assess(problem, model, {{"level", 0}, {"doubted", 0}})};
   result.steps = {{.effect = "doubted", .after = result.best.assessment, .doubts = {"too slow"}}};
   result.last_traces = {{.effect = sized("small")}};
-  const bool went = leave_out_doubted(problem, result);
+  const bool went = leave_out_doubted(problem, KnownCauses{1}, result);
   EXPECT_EQ(went, result.steps.empty() && result.mimics.empty());
   EXPECT_EQ(went, !result.best.assessment.model.has("doubted"));
   return went;

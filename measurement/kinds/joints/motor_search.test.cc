@@ -112,7 +112,7 @@ TEST(JointFields, AnErrorThatRepeatsOverTheTurnDependsOnThePredictedAngle) {
   EXPECT_EQ(places[0].covariates[0].name, "arm");
   EXPECT_EQ(places[0].covariates[1].name, "arm_rate");
   const Assessment given = assess_fixed(problem, lag);
-  const auto cause = unnamed_cause(problem, {{&given, given.total_ll}}, kMaterial);
+  const auto cause = unnamed_cause(problem, {{&given, given.total_ll}}, kMaterial, KnownCauses{1});
   ASSERT_TRUE(cause);
   EXPECT_EQ(cause->depends_on[0][0], "arm");
   EXPECT_NEAR(cause->error_after, 1, 0.1);
@@ -167,7 +167,7 @@ TEST(JointFields, ATorqueWithoutANameIsFoundByTheAngle) {
       MadeSet("field-load")
           .made_by(model_of(motor + "  gravity_torque: {rad_per_s2: 4, level_rad: 0.3}\n"), 6);
   const Assessment given = assess_fixed(problem, model_of(motor));
-  const auto cause = unnamed_cause(problem, {{&given, given.total_ll}}, kMaterial);
+  const auto cause = unnamed_cause(problem, {{&given, given.total_ll}}, kMaterial, KnownCauses{1});
   ASSERT_TRUE(cause);
   EXPECT_EQ(cause->depends_on[0][0], "arm");
   EXPECT_LT(cause->error_after, 0.2 * given.error);

@@ -81,7 +81,7 @@ std::optional<UnnamedCause> cause_in(const std::filesystem::path& folder) {
   const Model given = nominal();
   problem->prepare(given);
   const Assessment base = assess(*problem, given, refitted_unknowns(given));
-  auto cause = unnamed_beside(*problem, {{.assessment = base}}, kMaterial);
+  auto cause = unnamed_beside(*problem, {{.assessment = base}}, kMaterial, KnownCauses{1});
   std::filesystem::remove_all(folder);
   return cause;
 }
