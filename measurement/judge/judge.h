@@ -37,6 +37,7 @@ struct Candidate {
   bool trace = false;        // Significant, but not material.
   bool of_base = false;      // It would be, but most of its gain is the base's.
   double own_ll = 0;         // Then, of its gain what the model loses without it.
+  bool hides_mean = false;   // It would be, but calls a mean noise, or leads one astray.
   double moved = 0;          // Noise units, where it is significant.
   double fall = 0;           // Of held-out residuals in their own units: a share.
   std::vector<std::string> indistinguishable_from;

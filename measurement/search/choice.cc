@@ -30,7 +30,7 @@ Candidate* choose(const Problem& problem, const Grown& here, std::vector<Candida
     if (!misses || (!hides_mean(problem, here.assessment, spread) &&
                     !leads_astray(problem, here.assessment, spread)))
       return &best;
-    best.significant = false;
+    best.significant = false, best.hides_mean = true;
     const auto end = std::find_if(candidates.begin() + 1, candidates.end(),
                                   [](const Candidate& c) { return !c.significant; });
     std::rotate(candidates.begin(), candidates.begin() + 1, end);

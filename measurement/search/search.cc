@@ -51,6 +51,7 @@ class Searcher {
   void begin_with_dependents(const Grown& base, SearchResult& result);
   bool widens(const Grown& grown) const;
   void begin_with_rest(SearchResult& result);
+  void begin_with_refused(SearchResult& result);
   bool prune(Grown& grown) {
     return measurement::prune(
         problem_, [this](const std::string& name) { return definition(name); }, looks_, material_,
@@ -175,6 +176,7 @@ void Searcher::begin_with(const Candidate& beginning, SearchResult& result) {
   // One that helped no held-out group by itself must do so with what came to it.
   if (!beginning.significant && other.assessment.held_ll() <= result.best.assessment.held_ll())
     return;
+  if (beginning.hides_mean && misses(other.assessment)) return;
   result.best = std::move(other);
   result.last_traces = std::move(traces);
 }
@@ -224,6 +226,7 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
       !explained_without_name(problem_, {base_, result.best}, material_, causes_))
     begin_with_moves(moves_ = look_at_moves(), result);
   begin_with_rest(result);
+  begin_with_refused(result);
   result.first = first_;
   join(moves_, result.first);
 }
@@ -278,6 +281,14 @@ void Searcher::begin_with_rest(SearchResult& result) {
   if (result.best.assessment.error <= kUseless) return;
   const auto rest = with_other_of_servo(problem_, result.best, own_);
   if (rest && rest->grown.assessment.error <= kUseless) begin_with(*rest, result);
+}
+
+// A spread may hide a mean whose own effect helps only beside it: a lag under a way that wanders.
+void Searcher::begin_with_refused(SearchResult& result) {
+  const auto& first = first_.candidates;
+  const auto refused =
+      std::find_if(first.begin(), first.end(), [](const Candidate& c) { return c.hides_mean; });
+  if (refused != first.end() && misses(result.best.assessment)) begin_with(*refused, result);
 }
 
 void Searcher::try_beginnings(SearchResult& result) {
