@@ -335,22 +335,6 @@ class Waves : public MadeProblem {
 
 const Waves::Values kRightLens = {{"radial_distortion", 0.1}, {"needed", 1}};
 
-TEST(Exchanges, ALensGoesWithWhatMadeUpForIt) {
-  const Waves problem(kRightLens);
-  const Grown grown = problem.fitted({"fisheye", "makes_up"});
-  ASSERT_GT(grown.assessment.error, kMisfit);
-  const Exchanges exchanges(problem);
-  // It does not go alone: all groups gain with the other lens, and those held out lose.
-  const auto lens = exchanges.with_other(grown, "fisheye", Waves::effect("radial_distortion"));
-  ASSERT_TRUE(lens);
-  EXPECT_GT(lens->assessment.total_ll, grown.assessment.total_ll);
-  EXPECT_LT(lens->assessment.held_ll(), grown.assessment.held_ll());
-  const auto better = exchanges.better(grown, {"needed"}, Waves::effect);
-  ASSERT_TRUE(better);
-  EXPECT_EQ(better->added, (std::vector<std::string>{"radial_distortion", "needed"}));
-  EXPECT_NEAR(better->assessment.error, 1, 0.1);
-}
-
 // Each would be fitted in full, and come to nothing.
 TEST(Exchanges, WhatIsNoExchangeOfTwoIsNotFitted) {
   const Waves problem(kRightLens);
