@@ -5,6 +5,7 @@
 #include "measurement/numerics/linear_algebra.h"
 
 namespace seam::measurement {
+
 RandomCoefficients::RandomCoefficients(const Eigen::MatrixXd& gram, Eigen::VectorXd ratios)
     : ratios_(std::move(ratios)) {
   SymmetricEigen eigen = symmetric_eigen(ratios_.asDiagonal() * gram * ratios_.asDiagonal());

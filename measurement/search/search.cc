@@ -121,11 +121,11 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
     if (first) *first_looks = looks;
     traces = traces_of(looks.candidates);
     remember_significant(looks.candidates, promising_);
-    // Unless the next one explains the set after all.
-    std::vector<Grown> farther = way;
-    if (next) farther.push_back(next->grown);
-    if ((no_name_explains_ = imitate && names_imitate(problem_, farther, material_, causes_)))
-      break;
+    if (imitate) {  // Unless the next one explains the set after all.
+      std::vector<Grown> farther = way;
+      if (next) farther.push_back(next->grown);
+      if ((no_name_explains_ = names_imitate(problem_, farther, material_, causes_))) break;
+    }
     if (auto better = fitted_better(problem_, grown, next, looks.candidates)) {
       grown = *std::move(better);
       prune(grown);
