@@ -216,11 +216,7 @@ void add_new_effect(app::Command app) {
     if (!found)
       throw UsageError(fmt::format("unknown stage '{}'{}", *stage, suggestion_for(*stage, stages)));
     const std::filesystem::path folder = out->empty() ? *name : *out;
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error)
-      throw InputError(
-          fmt::format("{}: cannot make this folder: {}", folder.string(), error.message()));
+    make_output_folder(folder);
     const std::filesystem::path source = folder / (*name + ".cc");
     if (std::filesystem::exists(source))
       throw InputError(fmt::format("{}: exists already", source.string()));
