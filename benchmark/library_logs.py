@@ -100,7 +100,7 @@ def of_walks(folder):
         terms = [("odometry_scale", [], ("vx_scale", "vy_scale", "omega_scale"), np.stack(
                      [column(vx, zero, zero), column(zero, vy, zero), column(zero, zero, omega)], -1)),
                  ("heading_drift", [], ("rad_per_m",), column(zero, zero, speed)[:, None]),
-                 ("turn_asymmetry", [], ("left_excess",), column(zero, zero, np.abs(omega))[:, None]),
+                 ("turn_asymmetry", [], ("left_excess",), column(zero, zero, np.maximum(omega, 0))[:, None]),
                  ("tracker_offset", [], ("x_m", "y_m"), np.stack([column(zero, omega, zero),
                                                                   column(-omega, zero, zero)], -1)),
                  # A share of the step, not a time.

@@ -45,7 +45,7 @@ def body_of(effects, v, t):
     """The body's velocity of a velocity that is commanded (and lagged)."""
     scale = effects.get("odometry_scale", {})
     vx, vy, omega = (v[k] * (1 + scale.get(name, 0)) for k, name in enumerate(("vx_scale", "vy_scale", "omega_scale")))
-    omega = omega + effects.get("turn_asymmetry", {}).get("left_excess", 0) * abs(omega)
+    omega = omega + effects.get("turn_asymmetry", {}).get("left_excess", 0) * max(omega, 0)
     omega += effects.get("heading_drift", {}).get("rad_per_m", 0) * math.hypot(vx, vy)
     vy += effects.get("crab walk", {}).get("s_per_m", 0) * vx * abs(vx)
     less = 1 - effects.get("tiring", {}).get("per_s", 0) * t

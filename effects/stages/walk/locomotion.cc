@@ -38,8 +38,7 @@ BodyVelocity rolled(const Wheels& wheels, const BodyVelocity& commanded) {
 BodyVelocity scaled(const Locomotion& walk, const BodyVelocity& commanded) {
   const BodyVelocity v = walk.wheels.driven ? rolled(walk.wheels, commanded) : commanded;
   double omega_radps = v.omega_radps * (1 + walk.omega_scale);
-  if (walk.turn_asymmetry != 0)
-    omega_radps += walk.turn_asymmetry * std::abs(commanded.omega_radps);
+  if (commanded.omega_radps > 0) omega_radps += walk.left_excess * commanded.omega_radps;
   return {v.vx_mps * (1 + walk.vx_scale), v.vy_mps * (1 + walk.vy_scale), omega_radps};
 }
 
@@ -129,7 +128,7 @@ void fade_one_way(const Locomotion& walk, const BodyVelocity& command, double dt
   const BodyVelocity followed = followed_after(walk, command, state, dt_s);
   BodyVelocity to = scaled(walk, command);
   if (side * command.omega_radps < 0)
-    to.omega_radps -= 2 * walk.turn_asymmetry * std::abs(command.omega_radps);
+    to.omega_radps += side * walk.left_excess * command.omega_radps;
   move_along({.from = scaled(walk, state.followed),
               .to = to,
               .tau_s = walk.tau_s,
@@ -144,7 +143,7 @@ void fade(const Locomotion& walk, const BodyVelocity& command, double dt_s, Walk
   // two, which meet where the body does not turn.
   const double from = state.followed.omega_radps, to = command.omega_radps;
   const double still_s = from * to < 0 ? walk.tau_s * maths::log(1 - from / to) : dt_s;
-  if (walk.turn_asymmetry != 0 && still_s < dt_s) {
+  if (walk.left_excess != 0 && still_s < dt_s) {
     const double left_s = dt_s - still_s;
     fade_one_way(walk, command, still_s, from > 0 ? 1 : -1, state);
     state.followed.omega_radps = 0;

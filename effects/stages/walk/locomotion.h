@@ -86,7 +86,7 @@ struct Locomotion {
   double vy_scale = 0;
   double omega_scale = 0;
   double heading_rad_per_m = 0;
-  double turn_asymmetry = 0;  // Of |omega|: added to turns to the left, taken from the others.
+  double left_excess = 0;  // By this share turns to the left are longer than those to the right.
   double tau_s = 0;
   // Random walk: independent steps in body x, y and theta, variance sigma^2 a metre of path.
   double xy_sigma = 0;

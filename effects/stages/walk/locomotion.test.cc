@@ -23,7 +23,7 @@ WalkState brute_force(const Locomotion& w, const std::vector<BodyVelocity>& comm
       const double mo = w.tau_s > 0 ? (om + before_o) / 2 : om;
       const double fx = mx * (1 + w.vx_scale), fy = my * (1 + w.vy_scale),
                    path = std::hypot(fx, fy) * h;
-      const double turn = mo * (1 + w.omega_scale) * h + w.turn_asymmetry * std::abs(mo) * h +
+      const double turn = mo * (1 + w.omega_scale) * h + w.left_excess * std::max(mo, 0.0) * h +
                           w.heading_rad_per_m * path;
       const double mid = s.theta_rad + turn / 2;
       s.x_m += (std::cos(mid) * fx - std::sin(mid) * fy) * h;
@@ -43,7 +43,7 @@ TEST(Locomotion, AgreesWithSmallSteps) {
                          .vy_scale = 0.2,
                          .omega_scale = 0.05,
                          .heading_rad_per_m = drift,
-                         .turn_asymmetry = drift < 0 ? 0.3 : 0,
+                         .left_excess = drift < 0 ? 0.3 : 0,
                          .tau_s = tau};
       WalkState s;
       for (const BodyVelocity& c : commands) advance_walk(w, c, 0.4, s);
