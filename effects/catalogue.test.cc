@@ -186,6 +186,30 @@ TEST_P(Catalogue, AnswersAreWhole) {
 INSTANTIATE_TEST_SUITE_P(AllEffects, Catalogue, testing::ValuesIn(effect_names()),
                          [](const auto& info) { return info.param; });
 
+// Causes that people have say between which values they lie there: beyond it a result is doubted.
+TEST(PlausibleSizes, AreKnownOfCausesThatPeopleHave) {
+  // Where a wave or a light is, and what is counted in a unit of the set's own, may be anything.
+  const auto is_free = [](const Parameter& parameter) {
+    return testing::Matches(testing::ContainsRegex(
+        "phase|level|direction|angle|period_px|per_turn|^[uv]0$|^at_m$|^light$"))(parameter.name);
+  };
+  for (const char* name :
+       {"view_motion",    "focus_variation", "focal_drift",      "flat_port",
+        "mount_sag",      "backlash",        "tracker_offset",   "tracker_turn",
+        "turn_asymmetry", "encoder_skew",    "wheel_growth",     "wheel_load",
+        "landmark_delay", "landmark_height", "wall_excess",      "mount_offset",
+        "elastic_joint",  "gear_ripple",     "command_jitter",   "friction_asymmetry",
+        "load_friction",  "motor_heating",   "effort_scale",     "exposure_stamp",
+        "amplifier_glow", "tap_gain",        "periodic_pattern", "dark_current_spread"}) {
+    const auto effect = find_effect(name);
+    ASSERT_NE(effect, nullptr) << name;
+    EXPECT_FALSE(effect->advice.empty()) << name;
+    for (const Parameter& parameter : effect->parameters)
+      EXPECT_TRUE(is_free(parameter) || !parameter.plausible.source.empty())
+          << name << "." << parameter.name << ": no plausible range with a source";
+  }
+}
+
 TEST(CataloguePage, AndListHaveEveryEffect) {
   for (const std::string& name : effect_names()) {
     EXPECT_NE(catalogue_markdown().find("### `" + name + "`"), std::string::npos) << name;

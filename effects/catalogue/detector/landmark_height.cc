@@ -16,7 +16,8 @@ EffectDefinition landmark_height() {
                       .max = 100,
                       .scale = 0.5,
                       .help = "How much higher above the detector all landmarks lie than the set "
-                              "says, metres. Where it has no heights, the sign is open."}},
+                              "says, metres. Where it has no heights, the sign is open.",
+                      .plausible = {-30, 30, "beacons hang under ceilings of 2 to 20 m"}}},
       .help =
           "Landmarks hang above the plane of the robot, or the robot's tag higher or lower than "
           "stated: ranges are distances in space.",

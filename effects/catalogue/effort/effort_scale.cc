@@ -12,7 +12,10 @@ EffectDefinition effort_scale() {
                       .max = 20,
                       .scale = 0.1,
                       .help = "By how large a share the log's torques are too large: a torque "
-                              "constant that is wrong, or a gear's efficiency."}},
+                              "constant that is wrong, or a gear's efficiency.",
+                      .plausible = {-0.5, 2.5,
+                                    "data sheets: constants within 10 %, of gears spur 70 to 95 % "
+                                    "efficient, harmonic 50 to 85, worm 30 to 80"}}},
       .help = "The torque constant by which the log's torques were made of currents is wrong.",
       .formula = "effort_nm = (1 + scale) * effort",
       .signature = "measured torques in another proportion to the accelerations",

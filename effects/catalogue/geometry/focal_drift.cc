@@ -31,7 +31,10 @@ EffectDefinition focal_drift() {
                       .scale = 600,
                       .help = "The drift dies out in this time constant, seconds.",
                       .fit_reciprocal = true,
-                      .on_demand = true}},
+                      .on_demand = true,
+                      .plausible = {0.05, 1e6,
+                                    "an autofocus settles in tenths of a second, a camera warms up "
+                                    "in an hour"}}},
       .help =
           "The focal length drifts with time: a camera or a lens that warms up, or a focus that "
           "creeps.",

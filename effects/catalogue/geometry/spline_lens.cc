@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "effects/effect.h"
 #include "effects/stages/geometry.h"
@@ -101,6 +102,13 @@ std::vector<Parameter> spline_parameters() {
   return all;
 }
 
+std::vector<Advice> spline_advice() {
+  return {{kPoints,
+           {},
+           "Views whose points reach the corners of the image: splines know the lens only "
+           "where points are."}};
+}
+
 }  // namespace
 
 // The splined stereographic lens of mrcal (LENSMODEL_SPLINED_STEREOGRAPHIC, order 3): it can be any
@@ -113,9 +121,8 @@ EffectDefinition spline_lens() {
       .kinds = kPoints | kRanges | kFrames,
       .parameters = spline_parameters(),
       .help =
-          "An empirical lens, where no formula of a lens fits: a stereographic projection moved by "
-          "cubic B-splines over 6 rows and 8 columns of control points, 0 to 5 from the top and 0 "
-          "to 7 from the left. Excludes all other effects of the lens.",
+          "An empirical lens, in place of all others: a stereographic projection moved by cubic "
+          "B-splines over control points, 6 rows from the top (0) and 8 columns from the left (0).",
       .formula =
           "u + sum of (x_ROW_COLUMN, y_ROW_COLUMN) times B-splines of u = 2 (X, Y) / (|p| + Z)",
       .signature = "smooth over the image, the same in all views, and of no lens's form",
@@ -124,6 +131,7 @@ EffectDefinition spline_lens() {
       .has_neutral = false,
       .replaces_terms = {Term::radial, Term::angular, Term::one_sided},
       .needs = {Need::wide_view},
+      .advice = spline_advice(),
       .geometry = bend_by_splines,
       .proof =
           {{.values = {60,   0.01, 0.03, 0.05, 0.02, 0.04, 0.01, 0.03, 0.05, 0.02, 0.04, 0.01, 0.03,

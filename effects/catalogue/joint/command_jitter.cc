@@ -12,7 +12,10 @@ EffectDefinition command_jitter() {
                       .max = 1,
                       .scale = 0.002,
                       .help = "Standard deviation of the time by which a command acts early or "
-                              "late, seconds; its mean is servo_latency's."}},
+                              "late, seconds; its mean is servo_latency's.",
+                      .plausible = {0, 0.1,
+                                    "adapters from USB to serial keep bytes for up to 16 ms, busy "
+                                    "threads come some 10 ms late"}}},
       .help =
           "Each command acts at a time of its own: a bus or a thread that reads commands when "
           "its turn comes.",
@@ -24,6 +27,16 @@ EffectDefinition command_jitter() {
       .spread_only = true,
       .errors = Errors::together,
       .starts = {{kJoints, StartSearch::best_listed, {{0.0005}, {0.002}, {0.01}}}},
+      .advice = {{kJoints,
+                  {"joint_wander"},
+                  "steps with long rests: what acts early or late scatters angles only until the "
+                  "joint has arrived, a wander goes on at rest"},
+                 {kJoints,
+                  {"servo_lag", "servo_latency"},
+                  "the same step many times: a lag is the same in each, jitter scatters them"},
+                 {kJoints,
+                  {},
+                  "the same large step many times, with a row every few milliseconds"}},
       .noise =
           [](Values p, Noise& noise) {
             noise.command_sigma_s = std::hypot(noise.command_sigma_s, p[0]);

@@ -16,12 +16,14 @@ EffectDefinition elastic_joint() {
                       .max = 2,
                       .scale = 0.1,
                       .help = "In which the load swings to and fro on the drive that holds still, "
-                              "seconds (0.125: 8 Hz); 0: stiff."},
+                              "seconds (0.125: 8 Hz); 0: stiff.",
+                      .plausible = {0, 1, "joints of arms and heads swing at 2 to 30 Hz"}},
                      {.name = "damping",
                       .min = 0,
                       .max = 0.95,
                       .scale = 0.1,
-                      .help = "Share of the damping at which the load no longer swings."}},
+                      .help = "Share of the damping at which the load no longer swings.",
+                      .plausible = {0, 0.6, "gears and links 0.01 to 0.3, rubber up to 0.5"}}},
       .help =
           "The load hangs on the drive by a spring and a damper: gears, a belt or a link that "
           "bend. Two masses, of which the load does not move the drive.",

@@ -15,7 +15,10 @@ EffectDefinition friction_asymmetry() {
                       .max = 1e5,
                       .scale = 1,
                       .help = "By how much friction is above its mean in motions to larger angles, "
-                              "and below it in the others, rad/s^2."}},
+                              "and below it in the others, rad/s^2.",
+                      .plausible = {-1e3, 1e3,
+                                    "5 to 30 % of dry friction, which takes up to a third of what "
+                                    "a servo gives, at most 1e4 rad/s^2"}}},
       .help =
           "Dry friction is unlike in the two directions; what they have in common is "
           "coulomb_friction. A spring with a long way, or a cable that pulls, is the same.",

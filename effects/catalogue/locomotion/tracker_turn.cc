@@ -15,7 +15,10 @@ EffectDefinition tracker_turn() {
                       .max = 3.2,
                       .scale = 0.02,
                       .help = "Where the tracker's own forward points, to the left of the body's, "
-                              "radians."}},
+                              "radians.",
+                      .plausible = {-3.15, 3.15,
+                                    "a whole turn: frames of trackers point anywhere; marks that "
+                                    "are put on by eye are within 0.1"}}},
       .help =
           "The measured heading is that of a marker which is turned on the body: the body seems to "
           "go aslant.",

@@ -4,19 +4,21 @@
 namespace seam::effects {
 
 EffectDefinition mount_offset() {
+  const auto offset = [](const char* name, const char* help, std::vector<Need> needs = {}) {
+    return Parameter{.name = name,
+                     .min = -0.5,
+                     .max = 0.5,
+                     .scale = 0.01,
+                     .help = help,
+                     .needs = std::move(needs),
+                     .plausible = {-0.3, 0.3, "heads of robots are up to 0.3 m long"}};
+  };
   return {
       .name = "mount_offset",
       .stage = Stage::mount,
       .kinds = kPoints | kLandmarks | kRanges | kFrames,
-      .parameters =
-          {{.name = "x_m", .min = -0.5, .max = 0.5, .scale = 0.01, .help = "Forward, metres."},
-           {.name = "y_m", .min = -0.5, .max = 0.5, .scale = 0.01, .help = "To the left, metres."},
-           {.name = "z_m",
-            .min = -0.5,
-            .max = 0.5,
-            .scale = 0.01,
-            .help = "Up, metres.",
-            .needs = {Need::space}}},
+      .parameters = {offset("x_m", "Forward, metres."), offset("y_m", "To the left, metres."),
+                     offset("z_m", "Up, metres.", {Need::space})},
       .help = "The camera is shifted in its last link.",
       .formula = "p_link,camera += (x, y, z)",
       .signature = "displacement grows as points come near",
