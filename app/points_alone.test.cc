@@ -5,6 +5,7 @@
 
 #include "app/exchange/exchange.h"
 #include "app/simulator.h"
+#include "effects/cameras.h"
 #include "effects/questions.h"
 #include "effects/registry.h"
 #include "effects/stages/geometry.h"
@@ -107,6 +108,35 @@ TEST(PointsAloneOfARobot, AreNotInItsRun) {
   late.corner_detector = nullptr;
   late.timing = [](Values p, effects::Timing& timing) { timing.latency_s += p[0]; };
   EXPECT_FALSE(effects::without_points_own(with(late, 0.1)).has("corner_shift"));
+}
+
+// What its own record says no picture shows is refused where a robot's camera has it, with what to
+// use instead; at its neutral values, where it is absent, it is not.
+TEST(PointsAloneOfARobot, AreRefusedWhereTheyAreTheCameras) {
+  size_t refused = 0;
+  for (const auto& effect : effects::catalogue()) {
+    const std::string why = effects::not_pictured(*effect);
+    if (why.empty()) continue;
+    ++refused;
+    Scenario scenario;
+    scenario.robots.resize(1);
+    scenario.robots.front().id = "red1";
+    CameraSpec& camera = scenario.robots.front().camera;
+    camera.model_name = "seen";
+    const std::string base =
+        std::string("format: seam-model/1\nname: seen\neffects:\n") + kCamera + "  ";
+    camera.model_yaml = base + effect->example + "\n";
+    try {
+      models_of(scenario);
+      ADD_FAILURE() << effect->name << " is taken";
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), ::testing::HasSubstr("model 'seen': no picture shows '" +
+                                                     effect->name + "': " + why));
+    }
+    camera.model_yaml = base + effect->name + ": {}\n";
+    EXPECT_EQ(models_of(scenario).front().effects().size(), 1u) << effect->name;
+  }
+  EXPECT_EQ(refused, 3u);
 }
 
 TEST(PointsAloneAtTheDoor, ADetectorOfCornersThatSaysToActOnImagesIsRefused) {

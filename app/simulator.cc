@@ -6,6 +6,7 @@
 #include "app/data_file.h"
 #include "app/scene_assets.h"
 #include "app/trust/tokens.h"
+#include "effects/cameras.h"
 #include "effects/questions.h"
 #include "effects/stages/robots/robot_parts.h"
 #include "scheduler/log/log_records.h"
@@ -39,8 +40,9 @@ effects::Model model_of(const RobotSpec& robot) {
                     model.name(), effect.definition->name));
   }
   // An individual belongs to the robot's id, whatever the seed of the run.
-  return effects::without_points_own(
-      model.individual(RandomStream{}.child("individual").child(robot.id)));
+  const effects::Model own = model.individual(RandomStream{}.child("individual").child(robot.id));
+  effects::check_pictured(own);
+  return effects::without_points_own(own);
 }
 
 void replace_models(Scenario& scenario, const std::vector<std::string>& models) {

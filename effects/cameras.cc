@@ -4,6 +4,7 @@
 
 #include "effects/questions.h"
 #include "effects/registry.h"
+#include "sim_core/base/error.h"
 
 namespace seam::effects {
 
@@ -35,6 +36,35 @@ std::vector<std::string> cameras_with_lenses(const Model& model) {
       cameras.push_back(camera);
   }
   return cameras;
+}
+
+std::string not_pictured(const EffectDefinition& effect) {
+  if (!of_points_alone(effect)) return "";
+  const auto said =
+      std::find_if(effect.advice.begin(), effect.advice.end(),
+                   [](const Advice& advice) { return (advice.kinds & kOutcomes) != 0; });
+  return said == effect.advice.end() ? "" : said->text;
+}
+
+std::vector<std::string> not_pictured(const Model& model) {
+  std::vector<std::string> sentences;
+  for (const ModelEffect& effect : model.effects()) {
+    const EffectDefinition& definition = *effect.definition;
+    const std::string why = not_pictured(definition);
+    const Values values = effect.values();
+    const bool is_neutral = std::equal(
+        values.begin(), values.end(), definition.parameters.begin(), definition.parameters.end(),
+        [](double value, const Parameter& parameter) { return value == parameter.neutral; });
+    if (!why.empty() && !is_neutral)
+      sentences.push_back(fmt::format("no picture shows '{}': {}", definition.name, why));
+  }
+  return sentences;
+}
+
+void check_pictured(const Model& model) {
+  const std::vector<std::string> sentences = not_pictured(model);
+  if (!sentences.empty())
+    throw InputError(fmt::format("model '{}': {}", model.name(), sentences.front()));
 }
 
 }  // namespace seam::effects

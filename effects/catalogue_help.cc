@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "effects/cameras.h"
 #include "effects/questions.h"
 #include "effects/registry.h"
 #include "sim_core/base/error.h"
@@ -54,6 +55,7 @@ std::string needs_text(const EffectDefinition& effect) {
 std::vector<std::string> advice_lines(const EffectDefinition& effect) {
   std::vector<std::string> lines;
   for (const Advice& advice : effect.advice) {
+    if (of_points_alone(effect) && advice.kinds == kOutcomes) continue;  // not_pictured()
     lines.push_back(fmt::format(
         "{} ({}): {}",
         advice.from.empty() ? "others" : fmt::format("{}", fmt::join(advice.from, ", ")),
@@ -94,6 +96,8 @@ std::string effect_help(const EffectDefinition& effect) {
                   effect.name, to_string(effect.stage), effect.help, effect.formula,
                   effect.signature, kinds_text(effect.kinds));
   if (effect.spread_only) text += "Changes the spread of measurements, not their mean.\n";
+  if (const std::string why = not_pictured(effect); !why.empty())
+    text += fmt::format("No picture shows it: {}\n", why);
   const std::string needs = needs_text(effect);
   if (!needs.empty()) text += fmt::format("Needs:      {}\n", needs);
   for (const std::string& line : advice_lines(effect))
@@ -141,6 +145,8 @@ std::string catalogue_markdown() {
           "\n### `{}`\n\n{}\n\n- Formula: {}\n- Signature in residuals: {}\n- Acts on: {}\n",
           effect->name, effect->help, effect->formula, effect->signature,
           kinds_text(effect->kinds));
+      if (const std::string why = not_pictured(*effect); !why.empty())
+        text += fmt::format("- No picture shows it: {}\n", why);
       const std::string needs = needs_text(*effect);
       if (!needs.empty()) text += fmt::format("- Needs of a set: {}\n", needs);
       for (const std::string& line : advice_lines(*effect))

@@ -65,6 +65,29 @@ class FilesOfOurs(unittest.TestCase):
             code, text = check("q + k*rate", 0.01)
             self.assertEqual((code, "warning" in text), (0, False), text)
 
+    def test_a_camera_that_no_picture_shows(self):
+        """Refused by whatever makes pictures, with the effect's name and what to use instead."""
+        with tempfile.TemporaryDirectory() as folder:
+            model, scenario = pathlib.Path(folder) / "camera.yaml", pathlib.Path(folder) / "swing.yaml"
+            scenario.write_text((SOURCE / "scenarios/head_swing.yaml").read_text().replace("../models/ers210.yaml", str(model))
+                                .replace("../models", str(SOURCE / "models")))
+            commands = [["check", scenario], ["run", scenario, "--set", "duration_s=0.1"],
+                        ["frame", scenario, "--robot", "red1", "--at", "0", "--out", pathlib.Path(folder) / "frame.png"]]
+            for name, values, instead in (("flat_port", "{index: 1.333, distance_m: 0.03}", "radial_polynomial"),
+                                          ("view_motion", "{turn_sigma_rad: 0.003}", "the robot's own motion"),
+                                          ("focus_variation", "{sigma: 0.01}", "focal_drift")):
+                model.write_text((SOURCE / "models/ers210.yaml").read_text() + f"  {name}: {values}\n")
+                for command in commands:
+                    code, text = seam(*command)
+                    self.assertEqual((code, f"no picture shows '{name}': " in text, instead in text), (1, True, True), text)
+                code, text = seam("check", model)
+                self.assertEqual((code, f"warning: as a robot's camera it is refused: no picture shows '{name}'" in text),
+                                 (0, True), text)
+            model.write_text((SOURCE / "models/ers210.yaml").read_text() + "  flat_port: {}\n")
+            for command in commands:
+                code, text = seam(*command)
+                self.assertEqual((code, "no picture" in text), (0, False), text)
+
     def test_what_is_wrong_is_told(self):
         for name in ("corrupted", "truncated", "headless", "text", "bomb"):
             code, text = seam("check", SOURCE / f"replays/corpus/{name}.mcap")

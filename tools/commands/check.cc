@@ -9,7 +9,9 @@
 #include "app/predictors/instruments.h"
 #include "app/scene_assets.h"
 #include "app/session/behaviours.h"
+#include "app/simulator.h"
 #include "app/sweep/table.h"
+#include "effects/cameras.h"
 #include "effects/catalogue_help.h"
 #include "effects/formulas/formula_ranges.h"
 #include "effects/model.h"
@@ -77,6 +79,8 @@ std::string model_text(const ConfigNode& root) {
       fmt::format("model: {}, {} effects, {} steps of history\n{}", model.name(),
                   model.effects().size(), model.history().size(), effects_text(model));
   text += lens_warnings(model);
+  for (const std::string& sentence : effects::not_pictured(model))
+    text += fmt::format("warning: as a robot's camera it is refused: {}\n", sentence);
   // What the model's own values lead to is an error, with the first of them as its text.
   for (const effects::FormulaTrouble& trouble : effects::troubles_of_formulas(model)) {
     if (trouble.certain) throw InputError(fmt::format("{}: {}", root.file(), trouble.text));
@@ -112,10 +116,11 @@ void check_behaviours(const std::string& file, const Scenario& scenario) {
   if (!errors.empty()) throw InputError(fmt::format("{}", fmt::join(errors, "\nseam: ")));
 }
 
-// The camera models inside are for effects/ to check.
+// The camera models inside are for effects/ to check, and for a run to take.
 std::string scenario_text(const ConfigNode& root) {
   Scenario scenario = Scenario::from_file(root.file());
   check_behaviours(root.file(), scenario);
+  app::models_of(scenario);
   const std::string assets = assets_text(scenario);
   std::string text =
       fmt::format("scenario: {}\n  duration     {:g} s, step {:g} s, seed {}\n", scenario.name,

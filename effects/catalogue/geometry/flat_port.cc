@@ -97,11 +97,17 @@ EffectDefinition flat_port() {
       .example = "flat_port: {index: 1.333, distance_m: 0.03}",
       .needs = {Need::wide_view},
       .starts = {{kPoints, StartSearch::listed, {{1.333, 0.03, 0}}}},
-      .advice = {{kPoints,
-                  {"radial_polynomial", "radial_distortion", "rational_lens", "fisheye"},
-                  "Calibrate the lens in air and state it: in water alone a port close to the lens "
-                  "is the same as a lens. Else hold the target near in some views, far in others."},
-                 {kPoints, {}, "Views at unlike distances, or the lens calibrated in air."}},
+      .advice =
+          {{kPoints,
+            {"radial_polynomial", "radial_distortion", "rational_lens", "fisheye"},
+            "Calibrate the lens in air and state it: in water alone a port close to the lens "
+            "is the same as a lens. Else hold the target near in some views, far in others."},
+           {kPoints, {}, "Views at unlike distances, or the lens calibrated in air."},
+           {kOutcomes,
+            {},
+            "a pane has no single viewpoint, and each camera of the simulator has one: state a "
+            "lens that does the same at the distance of the scene ('seam measure' makes points "
+            "seen through the pane, 'seam fit' finds radial_polynomial in its place)"}},
       .geometry = refract,
       .proof = {{.values = {1.333, 0.03, 0},
                  .given = {{"x_m", 0.3}, {"y_m", -0.2}, {"z_m", 1.25}},

@@ -33,7 +33,11 @@ EffectDefinition focus_variation() {
       .advice = {{kPoints,
                   {},
                   "Switch autofocus off, lock the zoom, and take the views again; if the scatter "
-                  "stays, it was not the focal length."}},
+                  "stays, it was not the focal length."},
+                 {kOutcomes,
+                  {},
+                  "it is one draw for each view of a calibration: leave it out, or let the focal "
+                  "length change with time (focal_drift)"}},
       .target =
           [](Values p, TargetShape& shape) {
             shape.focus_sigma = std::sqrt(shape.focus_sigma * shape.focus_sigma + p[0] * p[0]);

@@ -33,7 +33,11 @@ EffectDefinition view_motion() {
                   {},
                   "The camera moved while its rows were read: hold it still for each view, or "
                   "state the read-out time (rolling_shutter) and say motion: constant_velocity, or "
-                  "take a video and say motion: spline."}},
+                  "take a video and say motion: spline."},
+                 {kOutcomes,
+                  {},
+                  "it is one draw for each view of a calibration: leave it out; the robot's own "
+                  "motion moves the camera while rows are read (rolling_shutter)"}},
       .target =
           [](Values p, TargetShape& shape) {
             shape.motion_sigma_rad =

@@ -1,6 +1,8 @@
 // Makes a set of whole images: what the model would give by a protocol's rig, scene and stamps.
 #include <filesystem>
 
+#include "effects/cameras.h"
+#include "effects/questions.h"
 #include "effects/stages/sensor/sensor.h"
 #include "effects/stages/timing.h"
 #include "measurement/kinds/frames/frames.h"
@@ -38,6 +40,7 @@ void copy_scene(const std::filesystem::path& out, const MeasurementSet& protocol
 
 void measure_frames(const Model& whole, const MeasurementSet& protocol,
                     const MeasureOptions& options, const Instruments& instruments) {
+  effects::check_pictured(whole);
   const Model truth = effects::without_points_own(whole);
   const CsvTable table = protocol.table("frames");
   const FrameProtocol frames(protocol, table, instruments);
