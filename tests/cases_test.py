@@ -61,7 +61,7 @@ class View:
 
 
 def walk(draw, runs, left=1.0, tracker=(0.0, 0.0)):
-    """Commands and poses of a robot that turns to the left more than it is told, seen by a tracker off its axle."""
+    """Commands and poses of a robot that turns to the left more than commanded, seen by a tracker off its axle."""
     rows = ["run,time_s,vx_cmd_mps,vy_cmd_mps,omega_cmd_radps,x_m,y_m,theta_rad"]
     for run in range(runs):
         x, y, theta = draw.uniform(-1, 1), draw.uniform(-1, 1), draw.uniform(-3, 3)
@@ -145,7 +145,7 @@ class Cases(unittest.TestCase):
             self.assertIn(effect, result["headline"])
 
     def lens(self, result):
-        """One form of the lens that the data cannot tell from its like, and the focal length."""
+        """One form of the lens that these data do not separate from its like, and the focal length."""
         steps = [step["effect"] for step in result["steps"]]
         self.assertTrue({"radial_distortion", "radial_polynomial"} & set(steps), steps)
         self.assertNotIn("rational_lens", steps)
