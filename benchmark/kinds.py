@@ -20,7 +20,7 @@ CAUSES = [f"{sort}+{cause}" for sort, causes in {
     "flats": ("dark_current_spread", "tap_gain", "periodic_pattern", "amplifier_glow"),
     "boards": ("focal_drift", "flat_port", "view_motion", "focus_variation"), "videos": ("focal_drift",),
     "landmarks": ("mount_offset", "wall_excess", "landmark_delay", "landmark_height"),
-    "motors": ("load_friction", "friction_asymmetry", "motor_heating", "elastic_joint"),
+    "motors": ("load_friction", "friction_asymmetry", "motor_heating", "elastic_joint", "torque_cogging"),
     "servos": ("gear_ripple", "elastic_joint"),
     "walks": ("tracker_offset", "turn_asymmetry", "tracker_turn"),
     "wheels": ("encoder_skew", "wheel_growth", "wheel_load"), "heads": heads.EFFECTS,

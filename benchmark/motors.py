@@ -13,7 +13,8 @@ LENGTH = 160
 INNER_S = 5e-4
 GAINS = (4.0, 8.0, 16.0)
 POSSIBLE = ("gravity_torque", "coulomb_friction", "load_friction", "torque_limit", "servo_latency")
-STRANGE = ("cogging", "warming motor")
+STRANGE = ("torque_cogging", "warming motor")
+KNOWN = ("torque_cogging",)  # Which the catalogue has by now.
 
 
 class Joint:
@@ -26,7 +27,7 @@ class Joint:
         self.by_load = effects.get("load_friction", {}).get("fraction", 0)
         self.viscous = effects.get("viscous_friction", {}).get("per_s", 0)
         self.most = effects.get("torque_limit", {}).get("rad_per_s2", math.inf)
-        self.cogging = effects.get("cogging", {"rad_per_s2": 0, "a_turn": 0})
+        self.cogging = effects.get("torque_cogging", {"rad_per_s2": 0, "per_turn": 0, "phase_rad": 0})
         self.warming = effects.get("warming motor", {}).get("per_s", 0)
         # By how much friction is more than its mean in motions to larger angles, and less in others.
         self.unlike = effects.get("friction_asymmetry", {}).get("rad_per_s2", 0)
@@ -44,7 +45,7 @@ class Joint:
             drive /= 1 + self.weaker * self.warmer  # The windings' resistance.
             drive = max(-self.most, min(self.most, drive))
         net = drive - self.gravity * math.cos(q - self.level)
-        net -= self.cogging["rad_per_s2"] * math.sin(self.cogging["a_turn"] * q)
+        net += self.cogging["rad_per_s2"] * math.sin(self.cogging["per_turn"] * q + self.cogging["phase_rad"])
         net -= outside.load_of(self.effects, q, w)
         return net - self.viscous * w, self.dry + self.by_load * abs(net) + outside.friction_at(self.effects, q)
 
@@ -121,6 +122,13 @@ def draw_motor(draw):
     return motor, rate, 0.3 * rate ** 2  # The last: acceleration at 0.3 rad from the command.
 
 
+def draw_cogging(draw, typical, alone):
+    if alone:
+        return {"rad_per_s2": typical * draw.log_uniform(0.05, 0.3), "per_turn": draw.uniform(6, 40),
+                "phase_rad": draw.uniform(-3, 3)}
+    return {"rad_per_s2": typical * draw.uniform(0.15, 0.3), "per_turn": draw.choice((12, 16, 20)), "phase_rad": math.pi}
+
+
 def draw_effect(draw, name, motor, typical, alone=False):
     most = min(motor["stall_rad_per_s2"], 4 * typical)
     return {"gravity_torque": lambda: {"rad_per_s2": typical * draw.uniform(0.3, 0.8),
@@ -129,7 +137,7 @@ def draw_effect(draw, name, motor, typical, alone=False):
             "load_friction": lambda: {"fraction": draw.log_uniform(0.015, 0.3) if alone else draw.uniform(0.1, 0.3)},
             "torque_limit": lambda: {"rad_per_s2": draw.uniform(0.45, 0.7) * most},
             "servo_latency": lambda: {"latency_s": draw.uniform(0.003, 0.02)},
-            "cogging": lambda: {"rad_per_s2": typical * draw.uniform(0.15, 0.3), "a_turn": draw.choice((12, 16, 20))},
+            "torque_cogging": lambda: draw_cogging(draw, typical, alone),
             "friction_asymmetry": lambda: {"rad_per_s2": typical * draw.signed(0.03, 0.1)},
             "motor_heating": lambda: {"per_k": draw.uniform(0.003, 0.006)},
             "elastic_joint": lambda: {"period_s": draw.log_uniform(0.03, 0.25), "damping": draw.uniform(0.02, 0.25)},
@@ -163,6 +171,8 @@ def motors(plan):
         traces = {"encoder_offset": {"pan_rad": draw.of("trace").signed(1, 1) * TRACE_SIZE * noise}}
     if strange:
         effects[strange] = draw_effect(draw, strange, motor, typical)
+    if strange in KNOWN:
+        hidden, strange = hidden | {strange: effects[strange]}, ""
     command = commands(draw.of("commands"), runs, kinds=3)
     gains = [GAINS[run % 3] for run in range(runs)]
     enabled = np.ones((runs, LENGTH), dtype=int)

@@ -22,7 +22,7 @@ DEPENDS_ON = {
     "servos": {"slow drift": ("time",), "potentiometer": ("command_rad",), "floor shakes": ("time",),
                "one sided gain": ANGLE, "creep": (*MOTION, "time"), "warm mount": ("temperature_c", "time"),
                "coarse clock": (*MOTION[2:], "time")},
-    "motors": {"cogging": ANGLE, "warming motor": ("time",), "air drag": MOTION[2:], "cable": ANGLE,
+    "motors": {"rubber stop": ANGLE, "warming motor": ("time",), "air drag": MOTION[2:], "cable": ANGLE,
                "stiff spot": MOTION},
     "landmarks": {"rotating mirror": ("bearing",), "warming": ("time",), "multipath": ("range",), "near field": ("range",),
                   "edge of lens": ("bearing",), "leaning body": ("speed",), "beacon clocks": ("time", "landmark")},
@@ -126,13 +126,15 @@ def draw_of_motor(draw, cause, typical):
     return {"air drag": lambda: {"per_rad": draw.uniform(0.2, 0.5)},
             "cable": lambda: {"per_s2": typical * draw.uniform(0.15, 0.4), "rad": draw.uniform(-0.5, 0.5)},
             "stiff spot": lambda: {"rad_per_s2": typical * draw.uniform(0.15, 0.4), "rad": draw.uniform(-0.5, 0.5),
-                                   "width_rad": draw.uniform(0.1, 0.25)}}[cause]()
+                                   "width_rad": draw.uniform(0.1, 0.25)},
+            "rubber stop": lambda: {"per_s2": typical * draw.uniform(0.6, 1.5), "rad": draw.uniform(0.1, 0.4)}}[cause]()
 
 
 def load_of(effects, q, w):
-    """Of a motor: drag by the square of the rate, and a cable that pulls back."""
-    return of(effects, "air drag", "per_rad") * w * abs(w) + of(effects, "cable", "per_s2") * (
-        q - of(effects, "cable", "rad"))
+    """Of a motor: drag by the square of the rate, a cable that pulls back, and a soft stop that the arm leans on."""
+    pulls = of(effects, "cable", "per_s2") * (q - of(effects, "cable", "rad"))
+    pulls += of(effects, "rubber stop", "per_s2") * max(q - of(effects, "rubber stop", "rad"), 0)
+    return of(effects, "air drag", "per_rad") * w * abs(w) + pulls
 
 
 def friction_at(effects, q):

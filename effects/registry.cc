@@ -28,6 +28,7 @@
   X(joint_inertia)            \
   X(effort_scale)             \
   X(effort_offset)            \
+  X(torque_cogging)           \
   X(torque_limit)             \
   X(servo_latency)            \
   X(servo_lag)                \

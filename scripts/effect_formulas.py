@@ -101,11 +101,12 @@ def elastic(p, drive, rate, at_s, steps=40000):
 
 
 def swung(at_s, stall=200, back_emf=10, gain=0.5, damping=0, most=1, limit=math.inf, gravity=0, level=0, viscous=0,
-          coulomb=0, stribeck=0, slow=1, load=0, pull=0, command=1, steps=40000):
+          coulomb=0, stribeck=0, slow=1, load=0, pull=0, cogging=0, waves=1, phase=0, command=1, steps=40000):
     """A motor's joint from rest at 0, in small steps of Runge and Kutta; where it does not come to rest on its way."""
     def acceleration(q, w):
         duty = min(max(gain * (command - q) - damping * w, -most), most)
         net = min(max(stall * duty - back_emf * w, -limit), limit) - gravity * math.cos(q - level) - pull
+        net += cogging * math.sin(waves * q + phase)
         way = w if w != 0 else net
         dry = coulomb + stribeck * math.exp(-abs(w) / slow) + load * abs(net)
         return net - viscous * w - math.copysign(dry, way)

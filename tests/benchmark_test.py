@@ -102,7 +102,10 @@ class Generators(unittest.TestCase):
             self.assertEqual((made.outside, made.hidden, plan.course), (outside.cause_of(sort), {}, "outside"), sort)
             self.assertTrue(outside.DEPENDS_ON[plan.base][made.outside], sort)
         self.assertGreaterEqual(len(kinds.OUTSIDE), 40)
-        self.assertEqual(outside.cause_of("servos+gear_ripple"), "")
+        for sort in ("servos+gear_ripple", "motors+torque_cogging"):
+            self.assertEqual(outside.cause_of(sort), "")
+        made = kinds.make("motors", 6)[1]  # Cogging was outside the catalogue once.
+        self.assertEqual(([*made.hidden], made.outside), (["torque_cogging"], ""))
 
 
 class Honesty(unittest.TestCase):

@@ -103,6 +103,10 @@ effects:
     (data / "joints.csv").write_text("\n".join(rows[:21]) + "\n")
     root, said = export_servo("mjcf", "--data", str(data))
     assert root.find(".//position").get("kp") == "600" and "controller gain of the set, 6" in said, said
+    for effect in ("torque_cogging: {rad_per_s2: 8, per_turn: 12}", "friction_asymmetry: {rad_per_s2: 3}"):
+        model.write_text(f"{text}  {effect}\n")
+        _, said = export_servo("mjcf", code=1)
+        assert f"'{effect.split(':')[0]}'" in said
     model.write_text(text + "  servo_latency: {latency_s: 0.02}\n")
     _, said = export_servo("mjcf", code=1)
     assert "'servo_latency'" in said

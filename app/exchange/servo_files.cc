@@ -21,7 +21,7 @@ bool is_simple(const ServoModel& servo) {
   return servo.latency_s == 0 && !std::isfinite(servo.rad_per_s2) && servo.dead_band_rad == 0 &&
          servo.backlash_rad == 0 && servo.sag_rad == 0 && servo.formulas.empty() &&
          t.gravity_rad_per_s2 == 0 && t.stribeck_rad_per_s2 == 0 && t.load_fraction == 0 &&
-         t.carried_fraction == 0;
+         t.carried_fraction == 0 && t.asymmetry_rad_per_s2 == 0 && t.cogging_rad_per_s2 == 0;
 }
 
 // An XML comment may hold no "--".

@@ -139,7 +139,8 @@ class Servo {
   double drive_rad_per_s2() const {
     const MotorState motor{state_.motor_rad, state_.motor_radps};
     return begun_ ? drive_of(model_.torque, input_, motor)
-                  : HangingLoad(model_.torque).at(maths::cos(motor.q_rad), maths::sin(motor.q_rad));
+                  : HangingLoad(model_.torque)
+                        .at(motor.q_rad, maths::cos(motor.q_rad), maths::sin(motor.q_rad));
   }
   double acting_command_rad() const { return input_.command_rad; }
   const ServoModel& model() const { return model_; }

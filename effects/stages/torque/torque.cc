@@ -1,84 +1,21 @@
 #include "effects/stages/torque/torque.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
+#include "effects/stages/torque/series.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::effects {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Highest power of time in a piece's angle: the lower is enough for a row of most servos, and of
-// those with fast motors the higher makes longer pieces.
-constexpr int kOrder = 9, kMostOrder = 15;
+// Enough for a row of most servos; of those with fast motors kMostOrder makes longer pieces.
+constexpr int kOrder = 9;
 constexpr double kTolerance_rad = 1e-12;  // Of the last two terms.
 // Slower Stribeck speeds than this are a step at rest.
 constexpr double kLeastStribeck_radps = 1e-6;
 // Pieces of one call: more stand for an equation that no servo has.
 constexpr int kMostPieces = 600;
-
-using Series = std::array<double, kMostOrder + 1>;  // Coefficients by power of time.
-
-double value_of(const Series& f, double t, int order) {
-  double sum = f[order];
-  for (int k = order - 1; k >= 0; --k) sum = sum * t + f[k];
-  return sum;
-}
-
-double slope_of(const Series& f, double t, int order) {
-  double sum = order * f[order];
-  for (int k = order - 1; k >= 1; --k) sum = sum * t + k * f[k];
-  return sum;
-}
-
-// Where between `low` and `high` f, not negative at `low`, becomes negative: Newton's steps inside
-// a bracket that halves where they leave it.
-double root_between(const Series& f, double low, double high, int order) {
-  double t = 0.5 * (low + high);
-  for (int step = 0; step < 60; ++step) {
-    const double value = value_of(f, t, order);
-    (value >= 0 ? low : high) = t;
-    const double wished = t - value / slope_of(f, t, order);
-    const double next = wished > low && wished < high ? wished : 0.5 * (low + high);
-    if (std::abs(next - t) <= 1e-15 * high || !(high > low)) return next;
-    t = next;
-  }
-  return t;
-}
-
-// Where between `low` and `high` f, which falls at `low`, rises.
-double lowest_between(const Series& f, double low, double high, int order) {
-  for (int halving = 0; halving < 40; ++halving) {
-    const double middle = 0.5 * (low + high);
-    (slope_of(f, middle, order) < 0 ? low : high) = middle;
-  }
-  return high;
-}
-
-// The first time up to `h` at which f, not negative at 0, becomes negative; infinite: it does not.
-// Between its samples f is looked at where it turns.
-double first_fall(const Series& f, double h, int order) {
-  double reach = 0;
-  for (int k = order; k >= 1; --k) reach = (reach + std::abs(f[k])) * h;
-  if (f[0] > reach) return kInfinity;
-  constexpr int kSamples = 4;
-  const auto positive = [&](double t) { return value_of(f, t, order) >= 0; };
-  // A clamp that was just left, or a start from rest, stands at 0 but for rounding.
-  if (f[0] <= 1e-12 * reach && slope_of(f, 0, order) < 0) return 0;
-  double from = 0;
-  for (int i = 1; i <= kSamples; ++i) {
-    const double to = i == kSamples ? h : h * i / kSamples;
-    if (!positive(to)) return root_between(f, from, to, order);
-    if (slope_of(f, from, order) < 0 && slope_of(f, to, order) > 0) {
-      const double lowest = lowest_between(f, from, to, order);
-      if (!positive(lowest)) return root_between(f, from, lowest, order);
-    }
-    from = to;
-  }
-  return kInfinity;
-}
 
 // Which side of each clamp and sign the motion is on: there the equation is analytic.
 struct Region {
@@ -102,13 +39,23 @@ double free_drive(const TorqueModel& m, const MotorInput& in, const MotorState& 
   return in.strength * (drive_at_rest(m, in, s) - m.back_emf_per_s * s.w_radps);
 }
 
-// How much of the load pulls at this angle; 0 where nothing hangs on the joint.
-double pull_at(const TorqueModel& m, double q_rad) {
-  return m.gravity_rad_per_s2 == 0 ? 0 : maths::cos(q_rad - m.level_rad);
+// What at this angle is to be multiplied with gravity and cogging; 0 where there is none.
+struct Pull {
+  double gravity = 0, cogging = 0;
+};
+
+double wave_rad(const TorqueModel& m, double q_rad) {
+  return m.cogging_per_turn * q_rad + m.cogging_rad;
 }
 
-double load_at(const TorqueModel& m, double pull) {
-  return m.gravity_rad_per_s2 * pull + m.asymmetry_rad_per_s2;
+Pull pull_at(const TorqueModel& m, double q_rad) {
+  return {m.gravity_rad_per_s2 == 0 ? 0 : maths::cos(q_rad - m.level_rad),
+          m.cogging_rad_per_s2 == 0 ? 0 : maths::sin(wave_rad(m, q_rad))};
+}
+
+double load_at(const TorqueModel& m, const Pull& pull) {
+  const double load = m.gravity_rad_per_s2 * pull.gravity + m.asymmetry_rad_per_s2;
+  return m.cogging_rad_per_s2 == 0 ? load : load - m.cogging_rad_per_s2 * pull.cogging;
 }
 
 // What pushes and what dry friction depends on.
@@ -135,10 +82,11 @@ double beyond_rest(const TorqueModel& m, const Forces& forces) {
 // The motion from one state while the region holds.
 class Stretch {
  public:
-  Stretch(const TorqueModel& motor, const MotorInput& input, const MotorState& state, double pull,
-          const Region& region)
+  Stretch(const TorqueModel& motor, const MotorInput& input, const MotorState& state,
+          const Pull& pull, const Region& region)
       : m_(motor), in_(input), region_(region) {
-    q_[0] = state.q_rad, w_[0] = state.w_radps, cos_[0] = pull;
+    q_[0] = state.q_rad, w_[0] = state.w_radps, cos_[0] = pull.gravity;
+    wave_[0] = pull.cogging;
     start();
     for (; order_ < kOrder; ++order_) extend(order_);
   }
@@ -192,6 +140,7 @@ class Stretch {
  private:
   void start() {
     if (m_.gravity_rad_per_s2 != 0) sin_[0] = maths::sin(q_[0] - m_.level_rad);
+    if (m_.cogging_rad_per_s2 != 0) across_[0] = maths::cos(wave_rad(m_, q_[0]));
     has_stribeck_ = m_.stribeck_rad_per_s2 != 0 && m_.stribeck_rad_per_s >= kLeastStribeck_radps;
     if (has_stribeck_) {
       // Kept above 0, so that a share of it says something.
@@ -213,7 +162,8 @@ class Stretch {
     }
     const double limit = k == 0 && region_.drive != 0 ? region_.drive * m_.limit_rad_per_s2 : 0;
     const double drive = region_.drive == 0 ? drive_[k] : limit;
-    const double load = k == 0 ? load_at(m_, cos_[0]) : m_.gravity_rad_per_s2 * cos_[k];
+    double load = m_.gravity_rad_per_s2 * cos_[k] + (k == 0 ? m_.asymmetry_rad_per_s2 : 0);
+    if (m_.cogging_rad_per_s2 != 0) load -= m_.cogging_rad_per_s2 * wave_[k];
     net_[k] = drive - load, gear_[k] = drive + load;
   }
 
@@ -234,6 +184,14 @@ class Stretch {
         sine += turn * cos_[k - j], cosine -= turn * sin_[k - j];
       }
       sin_[k + 1] = sine * over, cos_[k + 1] = cosine * over;
+    }
+    if (m_.cogging_rad_per_s2 != 0) {
+      double wave = 0, across = 0;
+      for (int j = 0; j <= k; ++j) {
+        const double turn = m_.cogging_per_turn * w_[j];
+        wave += turn * across_[k - j], across -= turn * wave_[k - j];
+      }
+      wave_[k + 1] = wave * over, across_[k + 1] = across * over;
     }
     if (has_stribeck_) {
       double sum = 0;
@@ -268,6 +226,7 @@ class Stretch {
   bool has_stribeck_ = false;
   Series q_, w_, duty_, drive_, net_, gear_;
   Series sin_{}, cos_{}, near_rest_{};
+  Series wave_, across_;  // Sine and cosine of the cogging's wave.
 };
 
 // The drive nearest `drive` in this direction at which friction lets the joint go; infinite: none.
@@ -329,14 +288,15 @@ double advance_motor(const TorqueModel& motor, const MotorInput& input, double d
   };
   int way = state.w_radps < 0 ? -1 : 1;
   const bool rested = state.w_radps == 0;
-  const double pull = pull_at(motor, state.q_rad), load = load_at(motor, pull);
+  const Pull pull = pull_at(motor, state.q_rad);
+  const double load = load_at(motor, pull);
   if (rested) {
     pass(rest_for(motor, in, state, load, dt_s, way));
     if (done_s >= dt_s) return dt_s;
   }
   Region region = region_of(motor, in, state, load, way);
   for (int pieces = 0; done_s < dt_s; ++pieces) {
-    const double pulls = pieces == 0 ? pull : pull_at(motor, state.q_rad);
+    const Pull pulls = pieces == 0 ? pull : pull_at(motor, state.q_rad);
     Stretch stretch(motor, in, state, pulls, region);
     const double h = stretch.reach(dt_s - done_s);
     if (pieces >= kMostPieces || !std::isfinite(h)) {
@@ -363,8 +323,15 @@ double advance_motor(const TorqueModel& motor, const MotorInput& input, double d
   return dt_s;
 }
 
+double cogging_at(const TorqueModel& motor, double q_rad) {
+  return motor.cogging_rad_per_s2 == 0
+             ? 0
+             : motor.cogging_rad_per_s2 * maths::sin(wave_rad(motor, q_rad));
+}
+
 HangingLoad::HangingLoad(const TorqueModel& motor)
-    : along_cos_(motor.gravity_rad_per_s2 * maths::cos(motor.level_rad)),
+    : motor_(motor),
+      along_cos_(motor.gravity_rad_per_s2 * maths::cos(motor.level_rad)),
       along_sin_(motor.gravity_rad_per_s2 * maths::sin(motor.level_rad)),
       constant_(motor.asymmetry_rad_per_s2) {}
 

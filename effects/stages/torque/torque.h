@@ -3,7 +3,7 @@
 //
 //   duty  = clamp(gain kp (command - q) - damping w, -max_duty, +max_duty)
 //   drive = clamp(strength (stall duty voltage - back_emf w), -limit, +limit)
-//   net   = drive - load, load = gravity cos(q - level) + asymmetry
+//   net   = drive - load, load = gravity cos(q - level) + asymmetry - cogging sin(waves q + phase)
 //   dw/dt = net - viscous w - dry friction against the motion,
 //   dry   = coulomb + stribeck exp(-|w| / stribeck_speed) + load_fraction |net| +
 //           carried_fraction |drive + load|
@@ -33,6 +33,10 @@ struct TorqueModel {
   // By how much dry friction is more than its mean in motions to larger angles, and less in others:
   // the same as a load that is constant.
   double asymmetry_rad_per_s2 = 0;
+  // Of the magnets on the iron's teeth: a torque in a wave over the turn, whatever the drive does.
+  double cogging_rad_per_s2 = 0;
+  double cogging_per_turn = 1;
+  double cogging_rad = 0;      // Its phase.
   double weakening_per_k = 0;  // Growth of the windings' resistance for each kelvin.
   double viscous_per_s = 0;
   double coulomb_rad_per_s2 = 0;
@@ -47,6 +51,9 @@ struct TorqueModel {
     return 1 / std::max(kLeastResistance, 1 + weakening_per_k * warmer_k);
   }
 };
+
+// What the magnets push with at this angle.
+double cogging_at(const TorqueModel& motor, double q_rad);
 
 // Friction that may hold a joint at rest.
 bool has_dry_friction(const TorqueModel& motor);
@@ -77,11 +84,13 @@ double advance_motor(const TorqueModel& motor, const MotorInput& input, double d
 class HangingLoad {
  public:
   explicit HangingLoad(const TorqueModel& motor);
-  double at(double cos_q, double sin_q) const {
-    return along_cos_ * cos_q + along_sin_ * sin_q + constant_;
+  double at(double q_rad, double cos_q, double sin_q) const {
+    const double still = along_cos_ * cos_q + along_sin_ * sin_q + constant_;
+    return motor_.cogging_rad_per_s2 == 0 ? still : still - cogging_at(motor_, q_rad);
   }
 
  private:
+  const TorqueModel& motor_;
   double along_cos_, along_sin_;  // Of gravity.
   double constant_;
 };

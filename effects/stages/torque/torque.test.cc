@@ -74,6 +74,20 @@ TEST(Motor, APendulumKeepsItsEnergy) {
 }
 
 // Level: gravity is constant to first order; the back-EMF of a driven motor at duty 0 brakes it.
+// A wave of torque is a pendulum whose angle is so many times the joint's.
+TEST(Motor, CoggingSwingsAboutATooth) {
+  TorqueModel m{.present = true};
+  m.cogging_rad_per_s2 = 30, m.cogging_per_turn = 12, m.cogging_rad = std::numbers::pi;
+  for (const double amplitude : {0.5, 3.0}) {
+    const double period = 4 * elliptic(std::sin(amplitude / 2)) / std::sqrt(30.0 * 12);
+    MotorState state{.q_rad = amplitude / 12};
+    run(m, kFree, period, state);
+    EXPECT_NEAR(state.q_rad, amplitude / 12, 1e-9) << amplitude;
+    run(m, kFree, period / 2, state);
+    EXPECT_NEAR(state.q_rad, -amplitude / 12, 1e-8) << amplitude;
+  }
+}
+
 TEST(Motor, AFallAgainstBackEmfApproachesItsFinalRate) {
   TorqueModel m = motor(0, 12, 1);
   m.gravity_rad_per_s2 = 30;
@@ -197,8 +211,9 @@ struct BruteForce {
     duty = std::min(std::max(duty, -m.max_duty), m.max_duty);
     double drive = in.enabled ? m.stall_rad_per_s2 * duty * in.voltage - m.back_emf_per_s * w : 0;
     drive = std::min(std::max(drive, -m.limit_rad_per_s2), m.limit_rad_per_s2);
-    const double net = drive - m.gravity_rad_per_s2 * std::cos(q - m.level_rad);
-    const double gear = drive + m.gravity_rad_per_s2 * std::cos(q - m.level_rad);
+    const double load = m.gravity_rad_per_s2 * std::cos(q - m.level_rad) -
+                        m.cogging_rad_per_s2 * std::sin(m.cogging_per_turn * q + m.cogging_rad);
+    const double net = drive - load, gear = drive + load;
     const double dry = m.coulomb_rad_per_s2 + m.load_fraction * std::abs(net) +
                        m.carried_fraction * std::abs(gear) +
                        m.stribeck_rad_per_s2 * std::exp(-std::abs(w) / m.stribeck_rad_per_s);
@@ -229,6 +244,9 @@ TEST(Motor, AgreesWithBruteForceForRandomCombinations) {
     if (draw(15) < 0.4) m.stribeck_rad_per_s2 = 15 * draw(16);
     if (draw(17) < 0.5) m.load_fraction = 0.4 * draw(18);
     if (draw(21) < 0.5) m.carried_fraction = 0.4 * draw(22);
+    if (draw(23) < 0.4)
+      m.cogging_rad_per_s2 = 40 * draw(24), m.cogging_per_turn = 30 * draw(25),
+      m.cogging_rad = 6 * draw(26);
     if (draw(19) < 0.3) m.limit_rad_per_s2 = 30 + 200 * draw(20);
     MotorState state{.q_rad = 0.1};
     BruteForce brute{.m = m, .q = 0.1};

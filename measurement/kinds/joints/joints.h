@@ -100,6 +100,9 @@ Around parabola_around(const std::vector<double>& t, const std::vector<double>& 
 double noise_from_neighbours(const std::vector<std::vector<double>>& time_s,
                              const std::vector<std::vector<double>>& values);
 
+// Of the angles between which all of the logs' rows lie.
+double span_of(const JointLogs& set);
+
 class JointsProblem : public Problem {
  public:
   explicit JointsProblem(const MeasurementSet& set);
@@ -158,6 +161,11 @@ class JointsProblem : public Problem {
   // takes enough.
   std::vector<std::vector<double>> swing_seen(const Model& model, const EffectDefinition& effect,
                                               const Groups& groups) const;
+  // Amplitude, waves in a turn and phase of the torque that would take most of what the model
+  // leaves of short stretches; none where none takes enough.
+  std::vector<std::vector<double>> torque_wave_seen(const Model& model,
+                                                    const EffectDefinition& effect,
+                                                    const Groups& groups) const;
   std::vector<effects::Lack> lacks() const;
   std::vector<effects::Lack> lacks_of_torques(const Model* given) const;
   void describe(const MeasurementSet& set, const CsvTable& table);

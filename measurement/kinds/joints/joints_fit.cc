@@ -131,6 +131,12 @@ bool seeks_a_swing(const EffectDefinition& effect, unsigned kind) {
          effects::start_rule(effect, kind).search == effects::StartSearch::frequency;
 }
 
+// Of a wave of torque over the angle: it acts in a motor's equation.
+bool seeks_a_torque(const EffectDefinition& effect, unsigned kind) {
+  return effect.needs_base == effects::Base::motor &&
+         effects::start_rule(effect, kind).search == effects::StartSearch::frequency;
+}
+
 double looks_for_a_swing() {
   return static_cast<double>(periods_s().size());
 }
@@ -155,6 +161,7 @@ std::vector<std::vector<double>> JointsProblem::starts_on(const Groups& groups, 
 std::vector<std::vector<double>> JointsProblem::starts_seen_on(
     const Groups& groups, const Model& model, const EffectDefinition& effect) const {
   if (seeks_a_swing(effect, facts_.set.kind)) return swing_seen(model, effect, groups);
+  if (seeks_a_torque(effect, facts_.set.kind)) return torque_wave_seen(model, effect, groups);
   const auto few = few_of(*this, model, groups);
   if (!few || few->problem == this)
     return starts_of(model, effect, few ? few->groups : groups, groups);
@@ -171,9 +178,6 @@ std::vector<std::vector<double>> JointsProblem::starts_seen_on(
   return starts_of(model, effect, groups, groups);
 }
 
-namespace {
-
-// Of the angles between which all of the logs' rows lie.
 double span_of(const JointLogs& set) {
   double least = std::numeric_limits<double>::infinity(), most = -least;
   for (const JointLog& log : set.logs) {
@@ -183,6 +187,8 @@ double span_of(const JointLogs& set) {
   constexpr double kLeastSpan_rad = 0.1;
   return std::max(most - least, kLeastSpan_rad);
 }
+
+namespace {
 
 // Residuals at their angles, and a wave over the angle that goes to higher frequencies by steps.
 class WaveOverAngle {

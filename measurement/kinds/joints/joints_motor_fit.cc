@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <numeric>
 #include <optional>
 
 #include "effects/questions.h"
@@ -11,7 +13,9 @@
 #include "measurement/kinds/joints/motion_look.h"
 #include "measurement/kinds/joints/short_runs.h"
 #include "measurement/kinds/joints/torque/damped_motor.h"
+#include "measurement/kinds/joints/torque/two_columns.h"
 #include "measurement/numerics/linear_algebra.h"
+#include "sim_core/base/maths.h"
 
 namespace seam::measurement {
 
@@ -23,6 +27,10 @@ double misfit_under(const Problem& problem, const Model& model, const Groups& gr
 namespace {
 
 using Values = std::vector<double>;
+
+double dot_of(const Values& a, const Values& b) {
+  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+}
 
 // Principal axes of the errors of what moves the mean, in coordinates, each one error long.
 std::vector<Eigen::VectorXd> axes_of(const Fit& fit, const ParameterSpace& space) {
@@ -286,6 +294,54 @@ Fit JointsProblem::fit_motor(const Model& start, const std::vector<Unknown>& unk
   Fit other = fit_torque(*without, unknowns, groups);
   const bool complete = misfit_under(*this, with_white_noise(other.model), groups) < kAtNoise;
   return complete && fit.log_likelihood - other.log_likelihood > kAskedFor ? fit : other;
+}
+
+// Accelerations say how many waves a turn has, roughly; short stretches of the logs say which of
+// these it is, how strong, and where.
+std::vector<std::vector<double>> JointsProblem::torque_wave_seen(const Model& model,
+                                                                 const EffectDefinition& effect,
+                                                                 const Groups& groups) const {
+  constexpr double kStretch_s = 0.3, kShare = 0.05;
+  constexpr size_t kPeaks = 5;
+  const effects::Parameter& per_turn = effect.parameters[1];
+  const std::vector<char> chosen = logs_of(groups);
+  const MotionLook look(set_, chosen, facts_.channels[0].noise, true);
+  const double step = 0.5 * maths::kPi / span_of(set_);
+  const ShortRuns brief(set_, chosen, kStretch_s);
+  const std::vector<double> left = brief.misses(model);
+  double gain = kShare * dot_of(left, left);
+  if (!std::isfinite(gain)) return {};
+  std::vector<std::vector<double>> best;
+  Model trial = model;
+  trial.add_neutral(std::make_shared<EffectDefinition>(effect));
+  const auto change = [&](double waves, double phase_rad) {
+    const double by = effect.parameters[0].scale;
+    trial.set_value(effect.name, 0, by);
+    trial.set_value(effect.name, 1, waves);
+    trial.set_value(effect.name, 2, phase_rad);
+    std::vector<double> column = brief.misses(trial);
+    for (size_t i = 0; i < column.size(); ++i) column[i] = (left[i] - column[i]) / by;
+    return column;
+  };
+  for (const double waves : look.torque_waves(model, per_turn.min, per_turn.max, step, kPeaks)) {
+    const std::vector<double> sine = change(waves, 0), cosine = change(waves, 0.5 * maths::kPi);
+    const TwoColumns fit =
+        least_squares(dot_of(sine, sine), dot_of(sine, cosine), dot_of(cosine, cosine),
+                      dot_of(sine, left), dot_of(cosine, left));
+    if (!(fit.gain > gain)) continue;
+    gain = fit.gain;
+    best = {{std::hypot(fit.sine, fit.cosine), waves, maths::atan2(fit.cosine, fit.sine)}};
+  }
+  if (best.empty()) return {};
+  // The waves lie between two that were looked at.
+  std::vector<Unknown> own;
+  for (size_t i = 0; i < best[0].size(); ++i) {
+    trial.set_value(effect.name, i, best[0][i]);
+    own.push_back({effect.name, i});
+  }
+  const Model nearer = brief.descend(trial, own);
+  const effects::Values values = nearer.find(effect.name)->values();
+  return {{values.begin(), values.end()}};
 }
 
 }  // namespace seam::measurement

@@ -3,12 +3,14 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <iterator>
 #include <limits>
 #include <utility>
 
 #include "effects/stages/servo.h"
 #include "measurement/fitting/parameter_space.h"
+#include "measurement/kinds/joints/torque/two_columns.h"
 #include "measurement/numerics/damped_step.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/robust.h"
@@ -16,6 +18,8 @@
 
 namespace seam::measurement {
 namespace {
+
+using Complex = std::complex<double>;
 
 constexpr size_t kMostInstants = 1500, kLeastMoving = 30;
 // Into so many pieces the time over which an acceleration is seen is cut: more where a command
@@ -113,6 +117,7 @@ MotionLook::Instant MotionLook::instant_of(const JointLog& log, const SeenMotion
   Instant instant{.log = &log,
                   .a_radps2 = at.a_radps2,
                   .rest_radps = at.rest_radps,
+                  .reach_s = at.reach_s,
                   .moves = std::abs(at.w_radps) > at.rest_radps};
   const size_t first = at.row - at.reach;
   const bool steps = steps_between(log, first, at.row + at.reach);
@@ -151,8 +156,8 @@ std::vector<double> MotionLook::misses(const Model& model) const {
                                       .strength = servo.torque.strength_at(log.warmer_k[piece.row]),
                                       .enabled = log.enabled[given] != 0,
                                       .t_s = piece.at_s};
-      const double load_radps2 =
-          load.at(piece.cos_q, piece.sin_q) - effects::push_on(servo, input, piece.state);
+      const double load_radps2 = load.at(piece.state.q_rad, piece.cos_q, piece.sin_q) -
+                                 effects::push_on(servo, input, piece.state);
       sum += piece.weight * effects::motor_acceleration(servo.torque, input, piece.state,
                                                         load_radps2, at.rest_radps);
     }
@@ -215,6 +220,64 @@ double MotionLook::descend(Model& model, const std::vector<Unknown>& unknowns) c
 double MotionLook::cost(const Model& model) const {
   constexpr double kUnit_radps2 = 5;
   return cost_of(misses(model), kUnit_radps2);
+}
+
+std::vector<double> MotionLook::torque_waves(const Model& model, double least, double most,
+                                             double step, size_t count) const {
+  const std::vector<double> missed = misses(model);
+  const double size = std::max(2 * robust_sigma(missed), 1e-9);
+  struct Part {
+    double weight, way_rad;  // Half the way of the piece.
+    Complex at, turn;
+  };
+  struct Row {
+    double miss, trust;
+    std::vector<Part> parts;
+  };
+  std::vector<Row> rows;
+  for (size_t i = 0; i < instants_.size(); ++i) {
+    const Instant& at = instants_[i];
+    if (!at.moves || !std::isfinite(missed[i])) continue;
+    Row row{missed[i], 1 / (1 + missed[i] * missed[i] / (size * size)), {}};
+    const auto pieces = static_cast<double>(at.pieces.size());
+    for (const Piece& piece : at.pieces) {
+      const double q = piece.state.q_rad;
+      row.parts.push_back({piece.weight / at.weights,
+                           piece.state.w_radps * at.reach_s / pieces,
+                           {maths::cos(least * q), maths::sin(least * q)},
+                           {maths::cos(step * q), maths::sin(step * q)}});
+    }
+    rows.push_back(std::move(row));
+  }
+  std::vector<double> gains;
+  for (double waves = least; waves <= most; waves += step) {
+    double ss = 0, sc = 0, cc = 0, with_s = 0, with_c = 0;
+    for (Row& row : rows) {
+      Complex mean = 0;
+      for (Part& part : row.parts) {
+        // What of a wave is left in the mean over a piece.
+        const double turned = waves * part.way_rad;
+        mean += part.weight * std::max(0.0, 1 - turned * turned / 6) * part.at;
+        part.at *= part.turn;
+      }
+      const double s = mean.imag(), c = mean.real();
+      ss += row.trust * s * s, sc += row.trust * s * c, cc += row.trust * c * c;
+      with_s += row.trust * s * row.miss, with_c += row.trust * c * row.miss;
+    }
+    gains.push_back(least_squares(ss, sc, cc, with_s, with_c).gain);
+  }
+  std::vector<size_t> peaks;
+  for (size_t i = 0; i < gains.size(); ++i) {
+    const bool above =
+        (i == 0 || gains[i] >= gains[i - 1]) && (i + 1 == gains.size() || gains[i] > gains[i + 1]);
+    if (above && gains[i] > 0) peaks.push_back(i);
+  }
+  std::stable_sort(peaks.begin(), peaks.end(),
+                   [&](size_t a, size_t b) { return gains[a] > gains[b]; });
+  peaks.resize(std::min(peaks.size(), count));
+  std::vector<double> strongest;
+  for (const size_t i : peaks) strongest.push_back(least + static_cast<double>(i) * step);
+  return strongest;
 }
 
 }  // namespace seam::measurement

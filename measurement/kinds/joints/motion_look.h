@@ -34,6 +34,10 @@ class MotionLook {
   double cost(const Model& model) const;
   // Descends from `model` in these parameters. Returns the cost; infinite where nothing moves.
   double descend(Model& model, const std::vector<Unknown>& unknowns) const;
+  // Waves of torque over the angle, so many a turn of the joint, that would take most of what the
+  // model misses of a joint that moves: the strongest first, no two of one peak.
+  std::vector<double> torque_waves(const Model& model, double least, double most, double step,
+                                   size_t count) const;
 
  private:
   // A part of the time over which an acceleration is seen: where the joint was in its middle.
@@ -45,7 +49,7 @@ class MotionLook {
   };
   struct Instant {
     const JointLog* log;
-    double a_radps2, rest_radps;
+    double a_radps2, rest_radps, reach_s;
     bool moves;
     std::vector<Piece> pieces;
     double weights = 0;  // Sum.

@@ -87,6 +87,29 @@ TEST(MotorSearch, AJointThatRestsMostOfItsTimeHasAMotor) {
   EXPECT_NEAR(starts.front()[0] * starts.front()[2], 2000 * 0.05, 20);
 }
 
+// The waves in a turn are told from their neighbours and from twice as many; without cogging there
+// is nothing to begin at.
+TEST(MotorSearch, CoggingIsSeenInTheMotion) {
+  const std::string motor =
+      "  motor_servo: {stall_rad_per_s2: 200, back_emf_per_s: 10, gain: 0.1}\n"
+      "  coulomb_friction: {rad_per_s2: 3}\n";
+  const EffectDefinition& cogging = *effects::find_effect("torque_cogging");
+  const auto starts = [&](const std::string& more) {
+    return MadeSet("motor-cogging")
+        .made_by(model_of(motor + more), 6)
+        .starts(model_of(motor), cogging);
+  };
+  EXPECT_TRUE(starts("").empty());
+  for (const double waves : {9.0, 31.0}) {
+    const auto seen = starts(
+        fmt::format("  torque_cogging: {{rad_per_s2: 4, per_turn: {}, phase_rad: 0.5}}\n", waves));
+    ASSERT_EQ(seen.size(), 1u) << waves;
+    EXPECT_NEAR(seen[0][0], 4, 1) << waves;
+    EXPECT_NEAR(seen[0][1], waves, 0.2) << waves;
+    EXPECT_NEAR(std::remainder(seen[0][2] - 0.5, 2 * M_PI), 0, 0.3) << waves;
+  }
+}
+
 // Motors are dear to fit: one is tried only where the motion over short stretches asks for it.
 TEST(MotorSearch, WhatDependsOnTheAngleAloneAsksForNoMotor) {
   const std::string lag = "  servo_lag: {tau_s: 0.06}\n";

@@ -20,10 +20,11 @@ class ShortRuns {
 
   // Sum of squares; infinite where a prediction is no number.
   double cost(const Model& model) const;
+  // Measured less predicted, of all rows.
+  std::vector<double> misses(const Model& model) const;
 
  private:
   void cut(const JointLog& log, double length_s);
-  std::vector<double> misses(const Model& model) const;
 
   const JointLogs& set_;
   std::vector<JointLog> stretches_;
