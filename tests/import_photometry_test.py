@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """`seam import` of flat fields and darks, made here with the truth known. `import_photometry_test.py path/to/seam`"""
 import json
+import re
 import struct
 import zlib
 
@@ -94,6 +95,45 @@ def test_photometry(folder):
     bomb[29:33] = struct.pack(">I", zlib.crc32(bytes(bomb[12:29])))
     (listed / "3.png").write_bytes(bytes(bomb))
     refused("flats", listed, out=folder / "bomb", words=["3.png"])
+
+
+def filtered(image, share):
+    """By weights share, 1 - 2 share, share along rows, as a camera that smooths, or sharpens."""
+    wide = np.pad(image, ((0, 0), (1, 1)), "edge").astype(float)
+    return np.rint(share * wide[:, :-2] + (1 - 2 * share) * wide[:, 1:-1] + share * wide[:, 2:]).astype(int)
+
+
+def figures_behind(share, folder):
+    """The figures of flat fields of K = 0.2 DN/e- behind this filter, what is said of shared noise, the text and the curve."""
+    series, out = folder / "series", folder / "set"
+    series.mkdir(parents=True)
+    for exposure in (1, 2, 4, 8, 12, 16):
+        for k in range(2):
+            for what, light in (("flat", 1e6), ("dark", 0)):
+                image = filtered(flat(1e-3 * exposure, light, gain=0.2, black=60, dark_dn=6), share)
+                (series / f"{what}_{exposure}ms_{k}.png").write_bytes(png(image, 16))
+    imported("flats", series, out=out)
+    said = run("compare", "--model", out / "nominal.yaml", "--data", out, "--json", folder / "out.json")
+    result = json.loads((folder / "out.json").read_text())
+    notes = [note for note in result.get("notes", []) if "noise is alike in neighbouring pixels" in note]
+    return {f["name"]: f["value"] for f in result["figures"]["figures"]}, notes, said, result["figures"]["snr_curve"]
+
+
+def test_a_filter_in_the_camera(folder):
+    figures, notes, _, _ = figures_behind(0, folder / "raw")
+    assert abs(figures["system gain K"] / 0.2 - 1) < 0.1 and not notes, (figures, notes)
+    # Of the variance 1.1^2 + 2 * 0.05^2 = 1.215 is left, and K with it: the correlation says 1.22.
+    figures, notes, said, _ = figures_behind(-0.05, folder / "sharp")
+    assert abs(figures["system gain K"] / 0.243 - 1) < 0.1 and notes[0] in said, (figures, notes)
+    assert "correlates by -0." in notes[0] and " % too large, and what rests on it is off by as much" in notes[0], notes
+    # Of the variance 3/8 is left: K is 2.7 times too small, of which 1 + 2 * 4/6 are seen in the next pixels.
+    figures, notes, said, curve = figures_behind(0.25, folder / "smooth")
+    times = re.search("K comes out some ([0-9.]+) times too small", notes[0])
+    assert abs(float(times.group(1)) - 2.33) < 0.3 and "correlates by 0.6" in notes[0] and notes[0] in said, notes
+    assert "EMVA 1288, without what rests on noise" in said, said
+    assert set(figures) <= {"dark signal", "saturation signal", "linearity error LE"}, figures
+    assert abs(figures["dark signal"] - 60) < 0.5, figures
+    assert curve and all(point["expected"] is None for point in curve), curve
 
 
 run_tests(globals())

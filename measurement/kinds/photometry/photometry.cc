@@ -1,4 +1,6 @@
 // Kind `photometry`: stacks of flat fields and dark frames.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <mutex>
@@ -8,6 +10,7 @@
 #include "measurement/kinds/kinds.h"
 #include "measurement/kinds/photometry/photometry_problem.h"
 #include "measurement/kinds/photometry/stack/emva.h"
+#include "measurement/kinds/photometry/structure/photometry_neighbour_tests.h"
 #include "measurement/kinds/photometry/structure/photometry_structure.h"
 #include "measurement/numerics/maximise.h"
 #include "sim_core/base/error.h"
@@ -19,6 +22,30 @@ namespace {
 // through every one of them.
 constexpr double kMostForTests = 2e5;
 constexpr double kLeastForTests = 2048;  // Samples, however many levels there are.
+
+// Where neighbours share noise, as behind a filter in the camera, the variance of single pixels is
+// not that of their electrons: a note says so where that moves the gain by more than its own error,
+// and where it moves it far, what the standard makes of that variance is left out.
+void doubt_shared_noise(const NoiseLikeness& noise, Facts& facts) {
+  constexpr double kSure = 1e-4;  // Of ten thousand sets one is doubted by chance.
+  constexpr double kFar = 1.25;
+  // A filter whose weights sum to one divides the variance by the sum of the correlations that it
+  // makes between a pixel and all others: of that sum these are the part of the next ones.
+  const double by = std::max((1 + 2 * noise.along_rows) * (1 + 2 * noise.along_columns), 0.1);
+  const double off = std::max(by, 1 / by);
+  const Figure& gain = facts.figures.figures.front();
+  if (!(noise.p_value < kSure) || off - 1 < gain.sigma / gain.value) return;
+  const std::string size =
+      off > kFar ? fmt::format("{:.1f} times", off) : fmt::format("{:.0f} %", 100 * (off - 1));
+  facts.notes.push_back(fmt::format(
+      "{}: noise is alike in neighbouring pixels (it correlates by {:.2f} along rows, by {:.2f} "
+      "along columns), as a filter in the camera makes it: the gain K comes out some {} too {}{}; "
+      "take raw images, without the camera's own processing",
+      facts.figures.title, noise.along_rows, noise.along_columns, size, by > 1 ? "small" : "large",
+      off > kFar ? ", so that figures that rest on noise are left out"
+                 : ", and what rests on it is off by as much, beyond the errors that are stated"));
+  if (off > kFar) facts.figures = without_noise(std::move(facts.figures));
+}
 
 }  // namespace
 
@@ -39,6 +66,8 @@ PhotometryProblem::PhotometryProblem(const MeasurementSet& set)
     small_ = std::make_unique<const PhotometryData>(
         thinned(data_, thinning_of(data_.width_px, data_.height_px, data_.channels, most)));
   }
+  if (!facts_.figures.figures.empty())
+    doubt_shared_noise(noise_likeness(view_of(*sums(all_groups()))), facts_);
   if (data_.channels > 1) channels_share_ = channels_share_offsets(data_, *sums(all_groups()));
 }
 
@@ -114,6 +143,7 @@ double PhotometryProblem::looks(const Model& model, const EffectDefinition& effe
 }
 
 std::vector<Figure> PhotometryProblem::figures(const Model& model) const {
+  if (!has_system_gain(facts_.figures)) return {};
   const auto gain = emva_gain(data_, effects::sensor_of(model));
   if (!gain) return {};
   return {{.name = "K of the model", .unit = "DN/e-", .value = *gain}};

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <optional>
 
 namespace seam::measurement {
@@ -14,6 +16,10 @@ constexpr double kRounding = 1.0 / 12;
 constexpr double kMostForGain = 0.7;
 constexpr double kLeastForLinearity = 0.05, kMostForLinearity = 0.95;
 constexpr double kPercent = 100;
+constexpr const char* kSystemGain = "system gain K";
+// Figures of means, which no noise moves.
+constexpr const char* kOfMeans[] = {"dark signal", "saturation signal", "linearity error LE",
+                                    "responsivity R"};
 
 struct Value {
   double value = 0, sigma = 0;
@@ -123,7 +129,7 @@ class Emva {
     if (!gain || !(gain->value > 0)) return {};
     gain_ = *gain;
     table_.title = "EMVA 1288";
-    add("system gain K", "DN/e-", gain_);
+    add(kSystemGain, "DN/e-", gain_);
     add("1/K", "e-/DN", {1 / gain_.value, gain_.sigma / (gain_.value * gain_.value)});
     add_dark();
     add_saturation();
@@ -319,6 +325,22 @@ class Emva {
 FigureTable emva_figures(const PhotometryData& data) {
   if (data.channels != 1) return {};
   return Emva(data).run();
+}
+
+FigureTable without_noise(FigureTable figures) {
+  std::erase_if(figures.figures, [](const Figure& figure) {
+    return std::find(std::begin(kOfMeans), std::end(kOfMeans), figure.name) == std::end(kOfMeans);
+  });
+  // What was measured stays; what the gain let expect goes with it.
+  for (FigurePoint& point : figures.curve)
+    point.expected = std::numeric_limits<double>::quiet_NaN();
+  figures.title += ", without what rests on noise";
+  return figures;
+}
+
+bool has_system_gain(const FigureTable& figures) {
+  return std::any_of(figures.figures.begin(), figures.figures.end(),
+                     [](const Figure& figure) { return figure.name == kSystemGain; });
 }
 
 std::optional<double> emva_gain(const PhotometryData& data, const effects::SensorChain& chain) {

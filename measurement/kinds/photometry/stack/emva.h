@@ -12,6 +12,10 @@ namespace seam::measurement {
 // Nothing (no figures) for colour images, and without levels of light and dark frames in pairs.
 FigureTable emva_figures(const PhotometryData& data);
 
+// Of these figures those of means alone: nothing that the noise of single pixels has part in.
+FigureTable without_noise(FigureTable figures);
+bool has_system_gain(const FigureTable& figures);
+
 // The system gain that the standard would find in these levels if they were as a sensor's model
 // says: where the response bends it is not that of the least signals. Nothing without photon noise.
 std::optional<double> emva_gain(const PhotometryData& data, const effects::SensorChain& chain);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "measurement/numerics/regression.h"
 #include "measurement/numerics/robust.h"
 #include "measurement/problem/neighbour.h"
 
@@ -80,18 +81,23 @@ void add_pairs(const PhotometryData& data, const std::vector<double>& values, Pa
   }
 }
 
-// Of independent samples the correlation of n pairs scatters by 1 / sqrt(n), about what taking the
-// mean out of a line has left. `independent`: the share of the samples that are, beside their own
-// means.
+// In rows (0) or in columns (1), without what taking the mean out of a line has left; 0 without
+// pairs.
+double correlation_of(const PhotometryData& data, const Pairs& pairs, int way) {
+  if (pairs.count[way] == 0 || !(pairs.squares > 0)) return 0;
+  const int length = way == 0 ? data.width_px : data.height_px;
+  return pairs.products[way] / pairs.count[way] * pairs.samples / pairs.squares + 1.0 / length;
+}
+
+// Of independent samples the correlation of n pairs scatters by 1 / sqrt(n). `independent`: the
+// share of the samples that are, beside their own means.
 StructureTest test_of(const PhotometryData& data, const std::string& covariate, const Pairs& pairs,
                       double variance, double independent) {
   StructureTest test;
-  const int length[2] = {data.width_px, data.height_px};
   double alike = 0;
   for (int way = 0; way < 2; ++way) {
     if (pairs.count[way] == 0 || !(pairs.squares > 0)) continue;
-    const double correlation =
-        pairs.products[way] / pairs.count[way] * pairs.samples / pairs.squares + 1.0 / length[way];
+    const double correlation = correlation_of(data, pairs, way);
     test.chi2 += independent * pairs.count[way] * correlation * correlation;
     ++test.freedom;
     alike += correlation;
@@ -158,11 +164,16 @@ std::vector<StructureTest> of_means(const PhotometryView& view,
 }
 
 // What changes from frame to frame.
-StructureTest of_frames(const PhotometryView& view) {
+struct FramePairs {
   Pairs pairs;
+  double variance = 0, independent = 0;  // Of a sample, and the share of them that are.
+};
+
+FramePairs frame_pairs(const PhotometryView& view) {
+  FramePairs found;
   const auto values = static_cast<double>(view.sums.values);
   const auto every = static_cast<size_t>(std::max(1.0, std::round(values / kMostValues)));
-  double variance = 0, frames = 0, independent = 0;
+  double frames = 0;
   for (const LevelSums& level : view.sums.levels) {
     if (level.frames.size() < 2) continue;
     const double share = 1 - 1 / static_cast<double>(level.frames.size());
@@ -175,21 +186,34 @@ StructureTest of_frames(const PhotometryView& view) {
       const double size = robust_sigma(left);
       if (!(size > 0)) continue;
       for (double& value : left) value /= size;
-      add_pairs(view.data, left, pairs);
-      variance += size * size / share, independent += share, ++frames;
+      add_pairs(view.data, left, found.pairs);
+      found.variance += size * size / share, found.independent += share, ++frames;
     }
   }
-  if (frames == 0) return {};
-  return test_of(view.data, kPixelNeighbour + std::string("*time"), pairs, variance / frames,
-                 independent / frames);
+  if (frames > 0) found.variance /= frames, found.independent /= frames;
+  return found;
+}
+
+StructureTest of_frames(const PhotometryData& data, const FramePairs& found) {
+  return test_of(data, kPixelNeighbour + std::string("*time"), found.pairs, found.variance,
+                 found.independent);
 }
 
 }  // namespace
 
+NoiseLikeness noise_likeness(const PhotometryView& view) {
+  const FramePairs found = frame_pairs(view);
+  const StructureTest test = of_frames(view.data, found);
+  if (test.freedom == 0) return {};
+  return {.along_rows = correlation_of(view.data, found.pairs, 0),
+          .along_columns = correlation_of(view.data, found.pairs, 1),
+          .p_value = chi2_tail(test.chi2, test.freedom)};
+}
+
 std::vector<StructureTest> neighbour_tests(const PhotometryView& view,
                                            const PhotometryPrediction& prediction) {
   std::vector<StructureTest> tests = of_means(view, prediction);
-  tests.push_back(of_frames(view));
+  tests.push_back(of_frames(view.data, frame_pairs(view)));
   return tests;
 }
 

@@ -11,6 +11,14 @@
 
 namespace seam::measurement {
 
+// How the noise of single frames correlates along rows and along columns (0 where no neighbours are
+// kept), and how seldom independent noise does so by chance.
+struct NoiseLikeness {
+  double along_rows = 0, along_columns = 0;
+  double p_value = 1;
+};
+NoiseLikeness noise_likeness(const PhotometryView& view);
+
 std::vector<StructureTest> neighbour_tests(const PhotometryView& view,
                                            const PhotometryPrediction& prediction);
 

@@ -29,7 +29,12 @@ Field filtered(const Field& field) {
   return out;
 }
 
-std::vector<StructureTest> tests_of(uint64_t seed, bool filter, double dust, double odd_rows = 0) {
+struct Tested {
+  std::vector<StructureTest> tests;
+  NoiseLikeness noise;
+};
+
+Tested tested(uint64_t seed, bool filter, double dust, double odd_rows = 0) {
   const RandomStream random{seed, 4};
   PhotometryData data{.width_px = kWidth, .height_px = kHeight};
   data.levels.resize(2);
@@ -55,7 +60,11 @@ std::vector<StructureTest> tests_of(uint64_t seed, bool filter, double dust, dou
   PhotometryPrediction prediction;
   for (int level = 0; level < 2; ++level)
     prediction.levels.push_back({.mean = Field(kWidth * kHeight, 100 + 50 * level)});
-  return neighbour_tests({data, sums}, prediction);
+  return {neighbour_tests({data, sums}, prediction), noise_likeness({data, sums})};
+}
+
+std::vector<StructureTest> tests_of(uint64_t seed, bool filter, double dust, double odd_rows = 0) {
+  return tested(seed, filter, dust, odd_rows).tests;
 }
 
 TEST(NeighbourTests, OfIndependentSamplesTheyAreChiSquares) {
@@ -91,6 +100,16 @@ TEST(NeighbourTests, AFilterInTheCameraIsInTheNoiseAlone) {
   // Of the filter's variance, 6 / 16 of the noise's, half of 4 / 6 is alike in a neighbour.
   EXPECT_NEAR(tests[3].structure.strength, kNoise * std::sqrt(6.0 / 16 * 4 / 6 / 2), 0.1);
   EXPECT_EQ(tests[3].structure.covariate, "neighbouring_pixel*time");
+}
+
+TEST(NeighbourTests, TheCorrelationOfAFilterIsThatOfItsWeights) {
+  const NoiseLikeness noise = tested(1, true, 0).noise, none = tested(1, false, 4).noise;
+  // Rounding to whole numbers adds a hundredth to the filtered variance, which no neighbour shares.
+  EXPECT_NEAR(noise.along_rows, 4.0 / 6, 0.02);
+  EXPECT_NEAR(noise.along_columns, 0, 0.02);
+  EXPECT_LT(noise.p_value, 1e-100);
+  EXPECT_NEAR(none.along_rows, 0, 0.02);
+  EXPECT_GT(none.p_value, 1e-3);
 }
 
 TEST(NeighbourTests, DustIsInTheMeansAlone) {
