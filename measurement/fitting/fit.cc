@@ -246,6 +246,25 @@ std::vector<std::vector<double>> Problem::following(
   return kFew * here.nuisances <= used ? std::move(columns) : std::vector<std::vector<double>>();
 }
 
+std::unique_ptr<SmallChanges> Problem::small_changes(const Model&, const Groups& groups,
+                                                     const Evaluation& here) const {
+  struct ByEvaluation : SmallChanges {
+    std::vector<double> to(const Model& there) const override {
+      const Evaluation evaluation = problem.evaluate(there, groups, &here);
+      if (!evaluation.valid) return {};
+      std::vector<double> changes = evaluation.whitened;
+      for (size_t i = 0; i < changes.size(); ++i) changes[i] -= here.whitened[i];
+      return changes;
+    }
+    ByEvaluation(const Problem& of, const Groups& on, const Evaluation& at)
+        : problem(of), groups(on), here(at) {}
+    const Problem& problem;
+    const Groups& groups;
+    const Evaluation& here;
+  };
+  return std::make_unique<ByEvaluation>(*this, groups, here);
+}
+
 std::vector<std::vector<double>> Problem::jacobian(const Model& model,
                                                    const std::vector<Unknown>& unknowns,
                                                    const Groups& groups,

@@ -1,34 +1,50 @@
 #include "measurement/infer/random_effect.h"
 
 #include <cmath>
+#include <limits>
 
 #include "measurement/numerics/linear_algebra.h"
 
 namespace seam::measurement {
 
 RandomCoefficients::RandomCoefficients(const Eigen::MatrixXd& gram, Eigen::VectorXd ratios)
-    : ratios_(std::move(ratios)) {
-  SymmetricEigen eigen = symmetric_eigen(ratios_.asDiagonal() * gram * ratios_.asDiagonal());
-  strength_ = std::move(eigen.values);
-  directions_ = std::move(eigen.vectors);
+    : ratios_(std::move(ratios)),
+      scaled_(Eigen::MatrixXd(ratios_.asDiagonal() * gram * ratios_.asDiagonal())) {}
+
+double RandomCoefficients::gain(double variance, const Eigen::VectorXd& along,
+                                Eigen::VectorXd* drawn) const {
+  const auto& diagonal = scaled_.diagonal();
+  const auto& beside = scaled_.subDiagonal();
+  const Eigen::Index count = along.size();
+  // 1 + variance * gram as L D L', with `rest` of L rest = along.
+  Eigen::VectorXd pivot(count), rest(count), below = Eigen::VectorXd::Zero(count);
+  double gained = 0;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    pivot[i] = 1 + variance * diagonal[i], rest[i] = along[i];
+    if (i > 0) {
+      below[i] = variance * beside[i - 1] / pivot[i - 1];
+      pivot[i] -= below[i] * variance * beside[i - 1];
+      rest[i] -= below[i] * rest[i - 1];
+    }
+    if (!(pivot[i] > 0)) return -std::numeric_limits<double>::infinity();  // Rounding alone.
+    gained += variance * rest[i] * rest[i] / pivot[i] - std::log(pivot[i]);
+  }
+  if (drawn != nullptr) {
+    *drawn = variance * rest.cwiseQuotient(pivot);
+    for (Eigen::Index i = count - 1; i > 0; --i) (*drawn)[i - 1] -= below[i] * (*drawn)[i];
+  }
+  return 0.5 * gained;
 }
 
 RandomEffect RandomCoefficients::effect(const Eigen::VectorXd& right) const {
-  const Eigen::VectorXd along = directions_.transpose() * ratios_.cwiseProduct(right);
-  const auto gain = [&](double variance) {
-    double sum = 0;
-    for (Eigen::Index i = 0; i < along.size(); ++i) {
-      const double wider = 1 + variance * std::max(strength_[i], 0.0);
-      sum += variance * along[i] * along[i] / wider - std::log(wider);
-    }
-    return 0.5 * sum;
-  };
+  const Eigen::VectorXd along =
+      scaled_.matrixQ().transpose() * Eigen::VectorXd(ratios_.cwiseProduct(right));
   // From an effect far below what any data show to one far above: two steps a decade, then nearer.
   // A wider one would be told by directions that are nothing but rounding (1e-16 of the strongest).
   double best = 0, most = 0, step = std::log(10) / 2;
-  const double scale = std::max(1e-300, strength_.maxCoeff());
+  const double scale = std::max(1e-300, scaled_.diagonal().maxCoeff());
   const auto look = [&](double log_variance) {
-    const double at = gain(std::exp(log_variance));
+    const double at = gain(std::exp(log_variance), along, nullptr);
     if (at > most) most = at, best = log_variance;
   };
   const double first = std::log(1e-3 / scale);
@@ -39,9 +55,10 @@ RandomEffect RandomCoefficients::effect(const Eigen::VectorXd& right) const {
     look(centre - 0.5 * step), look(centre + 0.5 * step);
   }
   const double variance = std::exp(best);
-  const Eigen::VectorXd drawn =
-      variance * along.array() / (1 + variance * strength_.array().max(0.0));
-  return {std::sqrt(variance) * ratios_, most, ratios_.cwiseProduct(directions_ * drawn)};
+  Eigen::VectorXd drawn;
+  gain(variance, along, &drawn);
+  const Eigen::VectorXd coefficients = scaled_.matrixQ() * drawn;
+  return {std::sqrt(variance) * ratios_, most, ratios_.cwiseProduct(coefficients)};
 }
 
 Eigen::VectorXd coefficients_of(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right,

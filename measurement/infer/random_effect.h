@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 
 namespace seam::measurement {
 
@@ -24,8 +25,11 @@ class RandomCoefficients {
   RandomEffect effect(const Eigen::VectorXd& right) const;
 
  private:
-  Eigen::VectorXd ratios_, strength_;  // Eigenvalues of gram, scaled by the ratios.
-  Eigen::MatrixXd directions_;         // In which coefficients over their ratios are independent.
+  // At this variance; `drawn`: the coefficients, as `along` turned and over their ratios.
+  double gain(double variance, const Eigen::VectorXd& along, Eigen::VectorXd* drawn) const;
+
+  Eigen::VectorXd ratios_;
+  Eigen::Tridiagonalization<Eigen::MatrixXd> scaled_;  // Of gram, scaled by the ratios.
 };
 
 // The mean of coefficients with these spreads, none of which is 0.

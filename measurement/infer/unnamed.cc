@@ -2,10 +2,10 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <memory>
 
-#include "measurement/infer/random_effect.h"
+#include "measurement/infer/function_beside.h"
 #include "measurement/infer/smooth_field.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/parallel_for.h"
@@ -17,8 +17,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Groups, or where they are few their blocks, in so many parts: each is predicted from the others.
-constexpr int kParts = 4;
 // Functions of one cause, and the least log-evidence that a further one gains.
 constexpr int kMostFunctions = 3;
 constexpr double kLeastGain = 4.6;
@@ -41,31 +39,23 @@ class Residuals {
   double step_gain() const { return step_gain_; }
 
  private:
-  // A function's columns, without what follows them, and what they gain.
-  struct Function {
-    MatrixXd columns, gram;
-    std::vector<RandomCoefficients> priors;  // As rough and as smooth as FieldColumns has them.
-    MatrixXd named;                          // Orthonormal: of FieldPlace::named.
-    std::array<MatrixXd, kParts> gram_of_part;
-    RandomEffect effect;
+  void sort_scalars();
+  MatrixXd of_scalars(const std::vector<std::vector<double>>& columns) const;
+  // Of those that take part; none: not known.
+  struct Columns {
+    MatrixXd values;
+    VectorXd smoother;  // As FieldColumns has it.
   };
-  VectorXd own_of(const std::vector<double>& column) const;
-  MatrixXd own_of(const std::vector<std::vector<double>>& columns) const;
-  auto rows_of(const auto& matrix, int part) const {
-    return matrix.middleRows(begins_[part], begins_[part + 1] - begins_[part]);
-  }
-  Function function_of(const SmoothField& field) const;
-  VectorXd beside_named(const Function& function) const;
-  double named_gain(const Function& function) const;
-  double held_out_gain(const Function& function) const;
+  Columns columns_in(const SmoothField& field) const;
+  FunctionBeside function_of(const SmoothField& field, const Columns& columns) const;
   std::vector<SmoothField> fields();
 
   const Problem& problem_;
   const Model& model_;
   Evaluation here_;
-  std::vector<size_t> scalars_;                // Those that take part, part by part.
-  std::array<Index, kParts + 1> begins_ = {};  // Of each part among them, then the end.
-  MatrixXd span_;                              // Orthonormal: of the fitted parameters.
+  std::vector<size_t> scalars_;  // Those that take part, part by part, and in these by channel.
+  PartsOfScalars parts_;
+  std::shared_ptr<const MatrixXd> span_;  // Orthonormal: of the fitted parameters.
   VectorXd rest_;
   double step_gain_ = 0;
   std::vector<FieldPlace> places_;
@@ -77,32 +67,42 @@ Residuals::Residuals(const Problem& problem, const Model& model,
   const Groups all = problem.all_groups();
   here_ = problem.evaluate(model, all);
   if (!here_.valid || here_.whitened.size() < problem.facts().scalars()) return;
-  const std::vector<int>& blocks = problem.blocks();
-  for (int part = 0; part < kParts; ++part) {
-    for (size_t i = 0; i < problem.facts().scalars(); ++i) {
-      const int unit = blocks.empty() ? problem.facts().group_of(i) : blocks[i];
-      if (here_.used[i] && unit % kParts == part) scalars_.push_back(i);
-    }
-    begins_[part + 1] = static_cast<Index>(scalars_.size());
-  }
+  sort_scalars();
   std::vector<Unknown> mean;
   std::copy_if(unknowns.begin(), unknowns.end(), std::back_inserter(mean),
                [&](const Unknown& u) { return !model.find(u.effect)->definition->spread_only; });
-  const auto columns =
-      mean.empty() ? std::vector<std::vector<double>>() : problem.jacobian(model, mean, all, here_);
-  MatrixXd slopes(static_cast<Index>(scalars_.size()), static_cast<Index>(columns.size()));
-  for (size_t k = 0; k < columns.size(); ++k) {
-    for (size_t i = 0; i < scalars_.size(); ++i)
-      slopes(static_cast<Index>(i), static_cast<Index>(k)) = columns[k][scalars_[i]];
-    const double length = slopes.col(static_cast<Index>(k)).norm();
-    if (length > 0) slopes.col(static_cast<Index>(k)) /= length;
+  MatrixXd slopes = MatrixXd(static_cast<Index>(scalars_.size()), 0);
+  if (!mean.empty()) slopes = of_scalars(problem.jacobian(model, mean, all, here_));
+  for (auto slope : slopes.colwise()) {
+    if (const double length = slope.norm(); length > 0) slope /= length;
   }
-  span_ = columns.empty() ? slopes : column_basis(slopes, 1e-6);
-  std::vector<double> beyond = here_.whitened;
-  for (size_t i = 0; i < problem.facts().scalars(); ++i) beyond[i] = here_.beyond_mean(i);
-  rest_ = own_of(beyond);
-  for (const size_t i : scalars_) step_gain_ += 0.5 * beyond[i] * beyond[i];
+  span_ = std::make_shared<const MatrixXd>(mean.empty() ? slopes : column_basis(slopes, 1e-6));
+  rest_.resize(slopes.rows());
+  for (size_t i = 0; i < scalars_.size(); ++i)
+    rest_[static_cast<Index>(i)] = here_.beyond_mean(scalars_[i]);
+  step_gain_ = 0.5 * rest_.squaredNorm();
+  rest_ -= *span_ * (span_->transpose() * rest_);
   step_gain_ -= 0.5 * rest_.squaredNorm();
+}
+
+void Residuals::sort_scalars() {
+  const Facts& facts = problem_.facts();
+  const std::vector<int>& blocks = problem_.blocks();
+  const auto count = [&] { return static_cast<Index>(scalars_.size()); };
+  for (int part = 0; part < PartsOfScalars::kCount; ++part) {
+    parts_.begin_of_part.push_back(count());
+    for (size_t channel = 0; channel < facts.channels.size(); ++channel) {
+      parts_.begin_of_segment.push_back(count());
+      for (size_t i = 0; i < facts.scalars(); ++i) {
+        const int unit = blocks.empty() ? facts.group_of(i) : blocks[i];
+        if (here_.used[i] && unit % PartsOfScalars::kCount == part &&
+            facts.channel_of[i] == static_cast<int>(channel))
+          scalars_.push_back(i);
+      }
+    }
+  }
+  parts_.begin_of_part.push_back(count());
+  parts_.begin_of_segment.push_back(count());
 }
 
 std::vector<SmoothField> Residuals::fields() {
@@ -112,64 +112,38 @@ std::vector<SmoothField> Residuals::fields() {
   return smooth_fields(places_);
 }
 
-VectorXd Residuals::own_of(const std::vector<double>& column) const {
-  VectorXd own(static_cast<Index>(scalars_.size()));
-  for (size_t i = 0; i < scalars_.size(); ++i) own[static_cast<Index>(i)] = column[scalars_[i]];
-  if (span_.cols() > 0) own -= span_ * (span_.transpose() * own);
-  return own;
-}
-
-MatrixXd Residuals::own_of(const std::vector<std::vector<double>>& columns) const {
+MatrixXd Residuals::of_scalars(const std::vector<std::vector<double>>& columns) const {
   MatrixXd own(static_cast<Index>(scalars_.size()), static_cast<Index>(columns.size()));
-  for (size_t k = 0; k < columns.size(); ++k) own.col(static_cast<Index>(k)) = own_of(columns[k]);
+  for (size_t k = 0; k < columns.size(); ++k) {
+    for (size_t i = 0; i < scalars_.size(); ++i)
+      own(static_cast<Index>(i), static_cast<Index>(k)) = columns[k][scalars_[i]];
+  }
   return own;
 }
 
-Residuals::Function Residuals::function_of(const SmoothField& field) const {
+Residuals::Columns Residuals::columns_in(const SmoothField& field) const {
   FieldColumns made = columns_of(problem_.facts(), field);
   if (made.values.empty()) return {};
-  const auto columns =
-      problem_.following(model_, problem_.all_groups(), here_, std::move(made.values));
-  const auto count = static_cast<Index>(columns.size());
-  Function function{.columns = own_of(columns), .gram = MatrixXd::Zero(count, count)};
+  return {of_scalars(
+              problem_.following(model_, problem_.all_groups(), here_, std::move(made.values))),
+          Eigen::Map<const VectorXd>(made.smoother.data(),
+                                     static_cast<Index>(made.smoother.size()))};
+}
+
+FunctionBeside Residuals::function_of(const SmoothField& field, const Columns& columns) const {
+  if (columns.values.cols() == 0) return {};
+  auto span = span_;
+  Index named = 0;
   if (!field.place->named.empty()) {
-    function.named = column_basis(own_of(field.place->named), 1e-6);
-    function.columns -= function.named * (function.named.transpose() * function.columns);
+    MatrixXd along = of_scalars(field.place->named);
+    along -= *span_ * (span_->transpose() * along);
+    along = column_basis(along, 1e-6);
+    named = along.cols();
+    MatrixXd both(along.rows(), span_->cols() + named);
+    both << *span_, along;
+    span = std::make_shared<const MatrixXd>(std::move(both));
   }
-  for (int part = 0; part < kParts; ++part) {
-    const auto own = rows_of(function.columns, part);
-    function.gram += function.gram_of_part[part] = own.transpose() * own;
-  }
-  function.priors.emplace_back(function.gram, VectorXd::Ones(count));
-  function.priors.emplace_back(function.gram,
-                               Eigen::Map<const VectorXd>(made.smoother.data(), count));
-  return function;
-}
-
-VectorXd Residuals::beside_named(const Function& function) const {
-  if (function.named.cols() == 0) return rest_;
-  return rest_ - function.named * (function.named.transpose() * rest_);
-}
-
-// Log-evidence of what effects with names do and a function brings along.
-double Residuals::named_gain(const Function& function) const {
-  const double price = 0.5 * std::log(static_cast<double>(scalars_.size()));
-  const double taken = 0.5 * (rest_.squaredNorm() - beside_named(function).squaredNorm());
-  return std::max(0.0, taken - price * static_cast<double>(function.named.cols()));
-}
-
-// Of log-likelihood, each part predicted from all others.
-double Residuals::held_out_gain(const Function& function) const {
-  const VectorXd rest = beside_named(function);
-  const VectorXd all = function.columns.transpose() * rest;
-  double gain = 0;
-  for (int part = 0; part < kParts; ++part) {
-    const MatrixXd& gram = function.gram_of_part[part];
-    const VectorXd right = rows_of(function.columns, part).transpose() * rows_of(rest, part);
-    const VectorXd b = coefficients_of(function.gram - gram, all - right, function.effect.spread);
-    gain += right.dot(b) - 0.5 * b.dot(gram * b);
-  }
-  return gain;
+  return {parts_, std::move(span), named, columns.values, columns.smoother};
 }
 
 // One line for each set of covariates, by the place in which it gains most.
@@ -186,8 +160,8 @@ void note_tried(const std::vector<std::string>& covariates, bool is_testable, do
 
 std::optional<UnnamedCause> Residuals::best_cause(std::vector<TriedFunction>* tried) {
   const std::vector<SmoothField> fields = this->fields();
-  std::vector<Function> functions(fields.size());
-  parallel_for(fields.size(), [&](size_t f) { functions[f] = function_of(fields[f]); });
+  std::vector<FunctionBeside> functions(fields.size());
+  std::vector<Columns> kept(fields.size());
   const VectorXd first = rest_;
   const auto count = static_cast<double>(scalars_.size());
   // Each field is two looks.
@@ -195,35 +169,28 @@ std::optional<UnnamedCause> Residuals::best_cause(std::vector<TriedFunction>* tr
   UnnamedCause cause;
   for (int k = 0; k < kMostFunctions; ++k) {
     parallel_for(fields.size(), [&](size_t f) {
-      Function& function = functions[f];
-      function.effect = {};
-      if (function.columns.cols() == 0) return;
-      const VectorXd right = function.columns.transpose() * rest_;
-      for (const RandomCoefficients& prior : function.priors) {
-        RandomEffect effect = prior.effect(right);
-        if (effect.log_evidence > function.effect.log_evidence) function.effect = std::move(effect);
-      }
-      if (function.effect.log_evidence > kLeastGain && held_out_gain(function) <= 0)
-        function.effect.log_evidence = 0;
-      if (function.effect.log_evidence > kLeastGain)
-        function.effect.log_evidence += named_gain(function);
+      if (k > 0 && !functions[f].is_testable()) return;
+      const Columns columns = kept[f].values.size() > 0 ? kept[f] : columns_in(fields[f]);
+      if (fields[f].place->arrives) kept[f] = columns;
+      if (k == 0) functions[f] = function_of(fields[f], columns);
+      if (functions[f].is_testable()) functions[f].look(columns.values, rest_, kLeastGain);
     });
     for (size_t f = 0; k == 0 && tried != nullptr && f < fields.size(); ++f)
-      note_tried(names_of(fields[f]), functions[f].columns.cols() > 0,
-                 functions[f].effect.log_evidence - price, *tried);
+      note_tried(names_of(fields[f]), functions[f].is_testable(),
+                 functions[f].log_evidence() - price, *tried);
     const auto best = std::max_element(functions.begin(), functions.end(),
-                                       [](const Function& a, const Function& b) {
-                                         return a.effect.log_evidence < b.effect.log_evidence;
+                                       [](const FunctionBeside& a, const FunctionBeside& b) {
+                                         return a.log_evidence() < b.log_evidence();
                                        });
-    const double gain = best == functions.end() ? 0 : best->effect.log_evidence - price;
+    const double gain = best == functions.end() ? 0 : best->log_evidence() - price;
     if (gain < kLeastGain) break;
     cause.lead += gain;
-    const auto names = names_of(fields[static_cast<size_t>(best - functions.begin())]);
+    const SmoothField& field = fields[static_cast<size_t>(best - functions.begin())];
+    const auto names = names_of(field);
     if (std::find(cause.depends_on.begin(), cause.depends_on.end(), names) ==
         cause.depends_on.end())
       cause.depends_on.push_back(names);
-    rest_ -= best->columns * best->effect.coefficients;
-    rest_ = beside_named(*best);
+    rest_ = best->left_of(columns_in(field).values, rest_);
   }
   if (cause.depends_on.empty()) return std::nullopt;
   cause.noise_units =

@@ -44,6 +44,15 @@ inline constexpr size_t kFewGroups = 8;
 // So many rows around one tell where its residual should lie.
 inline constexpr size_t kNearRows = 8;
 
+// What small changes of one model do to its whitened residuals, with the nuisances following at
+// least as far as a first step goes.
+class SmallChanges {
+ public:
+  virtual ~SmallChanges() = default;
+  // By scalar, thread-safe. Empty: the other model predicts nothing.
+  virtual std::vector<double> to(const Model& there) const = 0;
+};
+
 class Problem {
  public:
   virtual ~Problem() = default;
@@ -66,6 +75,10 @@ class Problem {
   virtual std::vector<std::vector<double>> following(
       const Model& model, const Groups& groups, const Evaluation& here,
       std::vector<std::vector<double>> columns) const;
+
+  // From this model, evaluated on these groups, which must outlive them. Default: by `evaluate`.
+  virtual std::unique_ptr<SmallChanges> small_changes(const Model& model, const Groups& groups,
+                                                      const Evaluation& here) const;
 
   // Where else than in the channels, by the set's covariates, a cause without a name may act.
   virtual std::vector<FieldPlace> field_places(const Model&, const Evaluation& /*here*/) const {

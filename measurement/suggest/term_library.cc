@@ -72,6 +72,7 @@ TermLibrary::TermLibrary(const Problem& problem, const Model& base, const Vocabu
   count_ = static_cast<double>(std::max<size_t>(3, count_used(problem)));
   start_ = rows_.problem->evaluate(base, rows_.groups);
   if (!valid()) return;
+  changes_ = rows_.problem->small_changes(base, rows_.groups, start_);
   share_ = count_ / std::max(3.0, residuals_of(rows_));
   add_terms();
 }
@@ -137,14 +138,10 @@ TermLibrary::ByScalar TermLibrary::derivative(const Term& term, double* step_to_
   ByScalar column;
   for (int attempt = 0; attempt < kMostStepTrials; ++attempt) {
     probes[0].coefficient = step;
-    const Evaluation there =
-        rows_.problem->evaluate(with_formula(base_, effect, probes), rows_.groups, &start_);
-    if (!there.valid) return {};
-    column.assign(there.whitened.size(), 0);
+    column = changes_->to(with_formula(base_, effect, probes));
     double sum2 = 0;
     for (size_t i = 0; i < column.size(); ++i) {
-      if (!start_.used[i]) continue;
-      column[i] = (there.whitened[i] - start_.whitened[i]) / step;
+      column[i] = start_.used[i] ? column[i] / step : 0;
       if (!std::isfinite(column[i])) return {};
       sum2 += column[i] * column[i];
     }

@@ -1,6 +1,7 @@
 // The terms that a formula may be made of, and how much each would take of what a model leaves.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -64,7 +65,8 @@ class TermLibrary {
   FewRows rows_;
   double count_ = 0;
   double share_ = 1;  // How many residuals there are for each that is looked at.
-  Evaluation start_;  // Of the base.
+  Evaluation start_;                       // Of the base.
+  std::unique_ptr<SmallChanges> changes_;  // From there.
   std::vector<Term> terms_;
   std::vector<ByScalar> library_;  // Derivatives by each term's coefficient.
   std::vector<Along> along_;       // In which waves are looked for.

@@ -65,17 +65,21 @@ BrokenWalk look_at(const ModelEffect& formula, const VelocitySample& sample) {
   return {};
 }
 
-// d(x, y, theta, path)/dt at a time and place; the first formula without a number is noted.
+struct Direction {
+  double cosine = 1, sine = 0;
+};
+
+// d(x, y, theta, path)/dt at a time and place; the first formula without a number is noted. `from`
+// is the direction of state.from.
 Rates rates_at(const Locomotion& walk, const BodyVelocity& command, const WalkState& state,
-               double t_s, const Place& at, BrokenWalk& broken) {
+               const Direction& from, double t_s, const Place& at, BrokenWalk& broken) {
   VelocitySample sample{.velocity = scaled(walk, followed_after(walk, command, state, t_s)),
                         .theta_rad = state.from.theta_rad + at.theta_rad,
                         .path_m = state.from.path_m + at.path_m,
                         .t_s = state.t_s + t_s};
   if (!walk.formulas.empty()) {
-    const double c = maths::cos(state.from.theta_rad), s = maths::sin(state.from.theta_rad);
-    sample.x_m = state.from.x_m + c * at.x_m - s * at.y_m;
-    sample.y_m = state.from.y_m + s * at.x_m + c * at.y_m;
+    sample.x_m = state.from.x_m + from.cosine * at.x_m - from.sine * at.y_m;
+    sample.y_m = state.from.y_m + from.sine * at.x_m + from.cosine * at.y_m;
   }
   sample.velocity.omega_radps += walk.heading_rad_per_m * speed(sample.velocity);
   for (const ModelEffect& formula : walk.formulas) {
@@ -96,6 +100,9 @@ void integrate(const Locomotion& walk, const BodyVelocity& command, double dt_s,
   if (!walk.formulas.empty()) longest = std::min(longest, 0.02);
   longest = std::max(longest, dt_s * 1e-4);
   const WalkState start = state;
+  Direction from;
+  if (!walk.formulas.empty())
+    from = {maths::cos(start.from.theta_rad), maths::sin(start.from.theta_rad)};
   double t = 0;
   while (t < dt_s) {
     const double fading = walk.tau_s > 0 ? 0.125 * walk.tau_s + 0.15 * t : longest;
@@ -103,14 +110,17 @@ void integrate(const Locomotion& walk, const BodyVelocity& command, double dt_s,
     // No sliver at the end.
     h = t + 1.01 * h >= dt_s ? dt_s - t : h;
     BrokenWalk& broken = state.broken;
+    const auto rates = [&](double at_s, const Place& at) {
+      return rates_at(walk, command, start, from, at_s, at, broken);
+    };
     const auto moved = [&](double for_s, const Rates& by) {
       return Place{state.x_m + for_s * by.x, state.y_m + for_s * by.y,
                    state.theta_rad + for_s * by.theta, state.path_m + for_s * by.path};
     };
-    const Rates a = rates_at(walk, command, start, t, state, broken);
-    const Rates b = rates_at(walk, command, start, t + h / 2, moved(h / 2, a), broken);
-    const Rates c = rates_at(walk, command, start, t + h / 2, moved(h / 2, b), broken);
-    const Rates d = rates_at(walk, command, start, t + h, moved(h, c), broken);
+    const Rates a = rates(t, state);
+    const Rates b = rates(t + h / 2, moved(h / 2, a));
+    const Rates c = rates(t + h / 2, moved(h / 2, b));
+    const Rates d = rates(t + h, moved(h, c));
     state.x_m += h / 6 * (a.x + 2 * b.x + 2 * c.x + d.x);
     state.y_m += h / 6 * (a.y + 2 * b.y + 2 * c.y + d.y);
     state.theta_rad += h / 6 * (a.theta + 2 * b.theta + 2 * c.theta + d.theta);

@@ -40,6 +40,8 @@ class PointsProblem : public Problem, public HasViews {
   std::vector<std::vector<double>> following(
       const Model& model, const Groups& groups, const Evaluation& here,
       std::vector<std::vector<double>> columns) const override;
+  std::unique_ptr<SmallChanges> small_changes(const Model& model, const Groups& groups,
+                                              const Evaluation& here) const override;
   // The place within a pixel, and the target's points.
   std::vector<FieldPlace> field_places(const Model& model, const Evaluation& here) const override;
   bool is_smooth(const Model&) const override { return true; }
@@ -97,10 +99,8 @@ class PointsProblem : public Problem, public HasViews {
   void whiten_all_scattered(const FewErrors& scatter, const Groups& groups,
                             Evaluation& evaluation) const;
 
-  // points_unknown.cc
-  // Not `refined`: poses good enough to start an adjustment from.
-  Evaluation evaluate_unknown(const Model& model, const Groups& groups, const Evaluation* warm,
-                              bool refined = true) const;
+  // points_at_rest.cc
+  class ViewsAtRest;
   std::vector<std::vector<double>> jacobian_unknown(const Model& model,
                                                     const std::vector<Unknown>& unknowns,
                                                     const Groups& groups,
@@ -108,6 +108,11 @@ class PointsProblem : public Problem, public HasViews {
   std::vector<std::vector<double>> following_unknown(
       const Model& model, const Groups& groups, const Evaluation& here,
       std::vector<std::vector<double>> columns) const;
+
+  // points_unknown.cc
+  // Not `refined`: poses good enough to start an adjustment from.
+  Evaluation evaluate_unknown(const Model& model, const Groups& groups, const Evaluation* warm,
+                              bool refined = true) const;
   std::vector<Eigen::Matrix2d> slopes_of_scattered(const FewErrors& scatter, const Groups& groups,
                                                    const Evaluation& here) const;
   std::vector<Sighting> sightings(int frame, const std::vector<Vec3>& places_W,

@@ -9,7 +9,6 @@
 #include "measurement/imaging/lens_like.h"
 #include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/points_problem.h"
-#include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/parallel_for.h"
 
 namespace seam::measurement {
@@ -135,115 +134,6 @@ int PointsProblem::only_camera(const effects::EffectDefinition& effect) const {
   const bool moves_all = name.empty() || found == data_.cameras.end() ||
                          (effect.mount && found == data_.cameras.begin());
   return moves_all ? -1 : static_cast<int>(found - data_.cameras.begin());
-}
-
-namespace {
-
-// Of a frame's sightings those that an effect moves, and their places among them.
-struct Moving {
-  std::vector<Sighting> seen;
-  std::vector<size_t> place;
-};
-Moving moving_of(const std::vector<Sighting>& seen, const std::vector<int>& rows, int only,
-                 const std::vector<Vec3>& places_W) {
-  Moving moving;
-  moving.seen.reserve(seen.size()), moving.place.reserve(seen.size());
-  for (size_t k = 0; k < seen.size(); ++k) {
-    if (only >= 0 && seen[k].camera != only) continue;
-    moving.place.push_back(k);
-    moving.seen.push_back(seen[k]);
-    moving.seen.back().p_W = places_W[rows[k]];
-  }
-  return moving;
-}
-
-}  // namespace
-
-// Differences at fixed poses, less what the frame's own pose can follow (Kaufman 1975).
-std::vector<std::vector<double>> PointsProblem::jacobian_unknown(
-    const Model& model, const std::vector<Unknown>& unknowns, const Groups& groups,
-    const Evaluation& here) const {
-  std::vector<std::vector<double>> columns(unknowns.size(),
-                                           std::vector<double>(facts_.scalars(), 0));
-  const Cameras cameras(model, data_.cameras);
-  const std::vector<Vec3> places_W = places_of_rows(data_, effects::target_of(model));
-  const MovedModels moved(model, unknowns);
-  std::vector<Cameras> moved_cameras;
-  std::vector<std::vector<Vec3>> moved_places_W;
-  for (const Model& there : moved.models) {
-    moved_cameras.emplace_back(there, data_.cameras);
-    moved_places_W.push_back(places_of_rows(data_, effects::target_of(there)));
-  }
-  std::vector<int> only;
-  for (const Unknown& unknown : unknowns)
-    only.push_back(only_camera(*model.find(unknown.effect)->definition));
-  parallel_for(data_.rows_of_frame.size(), [&](size_t frame) {
-    if (!groups[facts_.group_of_row[data_.rows_of_frame[frame].front()]]) return;
-    std::vector<int> rows;
-    const std::vector<Sighting> seen = sightings(static_cast<int>(frame), places_W, rows);
-    Pose X_CW;
-    if (seen.empty() || !stored_pose(here.nuisance_values, frame, X_CW)) return;
-    std::vector<double> base, there;
-    if (!pose_residuals(cameras, seen, X_CW, base, nullptr)) return;
-    for (size_t p = 0; p < unknowns.size(); ++p) {
-      const Moving moving = moving_of(seen, rows, only[p], moved_places_W[p]);
-      if (!pose_residuals(moved_cameras[p], moving.seen, X_CW, there, nullptr)) continue;
-      for (size_t i = 0; i < there.size(); ++i) {
-        const size_t k = moving.place[i / 2], c = i % 2;
-        columns[p][2 * rows[k] + c] = (there[i] - base[2 * k + c]) / moved.steps[p];
-      }
-    }
-  });
-  return following_unknown(model, groups, here, std::move(columns));
-}
-
-// Without what the pose of its view can take of a column, of residuals as they count.
-std::vector<std::vector<double>> PointsProblem::following_unknown(
-    const Model& model, const Groups& groups, const Evaluation& here,
-    std::vector<std::vector<double>> columns) const {
-  const Cameras cameras(model, data_.cameras);
-  const std::vector<Vec3> places_W = places_of_rows(data_, effects::target_of(model));
-  const std::optional<FewErrors> scatter = scatter_of(model);
-  std::vector<Eigen::Matrix2d> by_row;
-  if (scatter) by_row = slopes_of_scattered(*scatter, groups, here);
-  parallel_for(data_.rows_of_frame.size(), [&](size_t frame) {
-    std::vector<int> rows;
-    const bool asked = groups[facts_.group_of_row[data_.rows_of_frame[frame].front()]];
-    const std::vector<Sighting> seen = sightings(static_cast<int>(frame), places_W, rows);
-    Pose X_CW;
-    std::vector<double> base, derivatives;
-    const bool known = asked && !seen.empty() && stored_pose(here.nuisance_values, frame, X_CW) &&
-                       pose_residuals(cameras, seen, X_CW, base, &derivatives);
-    if (!known) {
-      for (const int row : data_.rows_of_frame[frame]) {
-        for (auto& column : columns) column[2 * row] = column[2 * row + 1] = 0;
-      }
-      return;
-    }
-    // Residuals over their sigmas count as they do, or as scattered ones.
-    const auto as_counted = [&](auto&& slopes) {
-      for (size_t k = 0; k < rows.size() && scatter; ++k) {
-        const Eigen::Vector2d sigma(seen[k].sigma_u, seen[k].sigma_v);
-        const auto at = 2 * static_cast<Eigen::Index>(k);
-        slopes.template middleRows<2>(at) =
-            (by_row[rows[k]] * sigma.asDiagonal() * slopes.template middleRows<2>(at)).eval();
-      }
-    };
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>> pose(derivatives.data(),
-                                                                               base.size(), 6);
-    as_counted(pose);
-    const Eigen::MatrixXd basis = column_basis(pose);
-    Eigen::VectorXd own(static_cast<Eigen::Index>(base.size()));
-    for (auto& column : columns) {
-      for (size_t k = 0; k < base.size(); ++k)
-        own[static_cast<Eigen::Index>(k)] = column[2 * rows[k / 2] + k % 2];
-      as_counted(own);
-      own -= basis * (basis.transpose() * own);
-      for (size_t k = 0; k < base.size(); ++k)
-        column[2 * rows[k / 2] + k % 2] = own[static_cast<Eigen::Index>(k)];
-    }
-  });
-  return columns;
 }
 
 // The largest angle from a camera's axis under which its rows that take part are seen, poses being
