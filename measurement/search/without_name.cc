@@ -36,9 +36,20 @@ void end_steps_at(size_t count, const Grown& best, SearchResult& result) {
 }
 
 // Whether a cause without a name is ahead of the last explanation, all of whose causes have names.
-// What leaves more than the noise is no explanation: one that leaves none need only be ahead.
-bool explains_better(double lead, double error, const Grown& last) {
-  return lead > kUnnamedWidth || (lead > 0 && last.assessment.error > kMisfit && error < kMisfit);
+// What leaves more than the noise is no explanation: one that leaves none need only be ahead. So
+// need a mean of a spread, which says nothing of the cause.
+bool explains_better(double lead, double error, const Grown& last, bool of_mean) {
+  return lead > (of_mean ? kUnnamedWidth : 0) ||
+         (lead > 0 && last.assessment.error > kMisfit && error < kMisfit);
+}
+
+// Whether all that the last has beside an earlier one moves predictions.
+bool adds_means_alone(const Grown& earlier, const Grown& last) {
+  return std::all_of(last.added.begin(), last.added.end(), [&](const std::string& name) {
+    const effects::ModelEffect* effect = last.assessment.model.find(name);
+    return earlier.assessment.model.has(name) || effect == nullptr ||
+           !effect->definition->spread_only;
+  });
 }
 
 // The steps that are left, each fitted with those before it.
@@ -179,7 +190,9 @@ std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::ve
     explanations.push_back(
         {&g.assessment, merit_of(problem, g), adds_noise_alone(g, grown.back())});
   auto cause = unnamed_cause(problem, explanations, material, known, tried);
-  if (cause && !explains_better(cause->lead, cause->error_after, grown.back())) cause.reset();
+  if (cause && !explains_better(cause->lead, cause->error_after, grown.back(),
+                                adds_means_alone(grown[cause->beside], grown.back())))
+    cause.reset();
   return cause;
 }
 
@@ -243,7 +256,7 @@ bool look_for_formula(const Problem& problem, const Progress& progress, const Kn
     const double misfit = std::max(1.0, found->error * found->error);
     const double named = grown[place].assessment.total_ll - merit_of(problem, grown[place]);
     const double lead = (found->log_evidence - named - merit_of(problem, last)) / misfit;
-    if (!explains_better(lead, found->error, last)) continue;
+    if (!explains_better(lead, found->error, last, adds_means_alone(grown[place], last))) continue;
     if (result.unnamed && place == result.unnamed->beside &&
         lead < kOwnBesideUnnamed * result.unnamed->lead)
       continue;

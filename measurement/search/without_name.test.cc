@@ -58,6 +58,45 @@ TEST(LookForUnnamed, AStepThatOnlyImitatesAWaveIsNoStep) {
   EXPECT_FALSE(result.best.assessment.model.has("cube"));
 }
 
+// A function that is ahead by less than it must be of a mean takes the place of a spread.
+TEST(LookForUnnamed, OfASpreadAFunctionNeedsNoLead) {
+  struct Wave : MadeProblem {
+    Wave()
+        : MadeProblem(evenly(-1, 1, 600), kNoiseOfWave, [](const std::vector<double>& p, double x) {
+            return p[0] + (p.size() > 1 ? p[1] * std::sin(5 * x) : 0);
+          }) {
+      deal_into(12);
+      facts_.covariates = {{.name = "x", .values = x()}};
+      std::vector<double> y;
+      for (size_t i = 0; i < x().size(); ++i)
+        y.push_back(0.2 * std::sin(5 * x()[i]) + kNoiseOfWave * normal({7, 2}, i));
+      take(std::move(y));
+    }
+  };
+  const Wave problem;
+  Model level;
+  level.set(sized("level"), {{.value = 0}});
+  const Grown base{.assessment = assess(problem, level, {{"level", 0}})};
+  // Over one that explains the wave, or drowns it, whose log-evidence is ahead by so much.
+  const auto lead_of = [&](bool is_spread, double ahead) {
+    Grown last = base;
+    last.added = {"other"};
+    last.assessment.model.set(
+        made_effect("other", {{.name = "size", .min = 0, .max = 9}}, is_spread),
+        {{.value = is_spread ? 5 : 0.2}});
+    last.assessment.total_ll += ahead;
+    last.assessment.error = 1;
+    const auto cause = unnamed_beside(problem, {base, last}, kMaterial, KnownCauses{1});
+    return cause ? cause->lead : 0;
+  };
+  const double far = lead_of(false, 0);
+  ASSERT_GT(far, kUnnamedWidth);
+  EXPECT_EQ(lead_of(false, far - 0.5 * kUnnamedWidth), 0);
+  const double of_spread = lead_of(true, 0);
+  EXPECT_GT(lead_of(true, of_spread - 0.5 * kUnnamedWidth), 0);
+  EXPECT_EQ(lead_of(true, of_spread + 1), 0);
+}
+
 // y = level + cube x^3 + fast cos(60 x), of data that have a wave beside these: smooth functions do
 // what the cube does, and not the fast part. Each effect has its size and its shape.
 class CubeAndFast : public testing::Test {
