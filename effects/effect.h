@@ -85,7 +85,7 @@ struct EffectDefinition {
   // it: it is said to be of unknown cause, not to be missing.
   bool unknown_cause = false;
   bool has_neutral = true;           // False for a base (pinhole) or a replacement (fisheye).
-  std::vector<std::string> columns;  // Further columns of a set that a joint's formula reads.
+  std::vector<std::string> columns;  // Further columns of a set that its formulas read.
   std::string source;                // Of an expression effect: the YAML of its definition.
 
   // What is asked of it by those who do not know its name.

@@ -30,6 +30,7 @@ struct StageVariables {
   // Each is a variable too, but for gain, which multiplies, and torque, which adds.
   std::vector<std::string> outputs;
   unsigned kinds;
+  bool reads_columns = false;  // Of the row that it acts on.
 
   bool has(const std::string& output) const {
     return std::find(outputs.begin(), outputs.end(), output) != outputs.end();
@@ -42,10 +43,14 @@ const std::vector<StageVariables>& stages() {
   static const std::vector<std::string> of_image = {"x",  "y",  "r2", "u", "v",  "cx",
                                                     "cy", "fx", "fy", "t", "row"};
   static const std::vector<StageVariables> all = {
-      {Stage::joint, {"q", "rate", "command", "t"}, {"q"}, kJoints | kPoints | kFrames | kRanges},
+      {Stage::joint,
+       {"q", "rate", "command", "t"},
+       {"q"},
+       kJoints | kPoints | kFrames | kRanges,
+       true},
       {Stage::joint, {"q", "rate", "command", "t", "drive"}, {kTorque}, kJoints | kRanges},
-      {Stage::geometry, of_image, {"u", "v"}, kPoints | kFrames | kRanges},
-      {Stage::corner_detector, of_image, {"u", "v"}, kPoints},
+      {Stage::geometry, of_image, {"u", "v"}, kPoints | kFrames | kRanges, true},
+      {Stage::corner_detector, of_image, {"u", "v"}, kPoints, true},
       {Stage::target, {"x", "y", "z"}, {"x", "y", "z"}, kPoints},
       {Stage::radiometry, {"u", "v", "rho", "t"}, {kGain}, kPhotometry | kFrames | kRanges},
       {Stage::light, {"u", "v", "rho", "t"}, {kGain}, kPhotometry | kFrames | kRanges},
@@ -53,11 +58,13 @@ const std::vector<StageVariables>& stages() {
       {Stage::detector,
        {"range", "bearing", "speed", "turn", "t"},
        {"range", "bearing"},
-       kLandmarks | kRanges},
+       kLandmarks | kRanges,
+       true},
       {Stage::locomotion,
        {"vx", "vy", "omega", "x", "y", "theta", "way", "t"},
        {"vx", "vy", "omega"},
-       kOdometry | kRanges},
+       kOdometry | kRanges,
+       true},
   };
   return all;
 }
@@ -93,6 +100,7 @@ struct Program {
   std::vector<Formula> formulas;
   std::vector<int> output;      // By formula: which of the stage's outputs it gives.
   std::vector<double> neutral;  // Of the parameters: there the effect does nothing, bit for bit.
+  std::vector<std::string> columns;
 
   bool absent(Values p) const {
     return std::equal(p.begin(), p.end(), neutral.begin(), neutral.end());
@@ -108,27 +116,15 @@ struct Program {
     for (size_t i = 0; i < formulas.size(); ++i)
       outputs[output[i]] = formulas[i]({inputs.data(), count});
   }
+  void run(std::span<const double> variables, const RowColumns& row, Values p,
+           Outputs& outputs) const {
+    if (columns.empty()) return run(variables, p, outputs);
+    std::array<double, kMostInputs> both;
+    auto end = std::copy(variables.begin(), variables.end(), both.begin());
+    for (const std::string& column : columns) *end++ = row.value(column);
+    run({both.data(), variables.size() + columns.size()}, p, outputs);
+  }
 };
-
-std::function<double(Values, const JointSample&)> joint_map(
-    const std::shared_ptr<const Program>& program, const std::vector<std::string>& columns) {
-  return [program, columns](Values p, const JointSample& at) {
-    std::array<double, kMostInputs> in = {at.q_rad, at.rate_rad_per_s, at.command_rad, at.t_s};
-    size_t count = 4;
-    for (const std::string& column : columns) {
-      // Columns that this log lacks are refused before; without a log (the simulator) they are
-      // 0.
-      in[count] = 0;
-      for (size_t i = 0; at.extra_names != nullptr && i < at.extra_names->size(); ++i) {
-        if ((*at.extra_names)[i] == column) in[count] = at.extra_values[i];
-      }
-      ++count;
-    }
-    Outputs out = {at.q_rad};
-    program->run({in.data(), count}, p, out);
-    return out[0];
-  };
-}
 
 void set_map_of_sensor(EffectDefinition& effect, const std::shared_ptr<const Program>& program) {
   effect.sensor = [program, name = effect.name](Values p, SensorChain& chain) {
@@ -168,7 +164,7 @@ void set_hook(EffectDefinition& effect, const StageVariables& stage,
             const double r2 = at.x * at.x + at.y * at.y;
             program->run(
                 std::array{at.x, at.y, r2, at.u, at.v, at.cx, at.cy, at.fx, at.fy, at.t_s, at.row},
-                p, out);
+                at.columns, p, out);
             at.u = out[0], at.v = out[1];
           };
       break;
@@ -176,7 +172,12 @@ void set_hook(EffectDefinition& effect, const StageVariables& stage,
       if (stage.has(kTorque))
         set_push(effect, program);
       else
-        effect.joint_map = joint_map(program, effect.columns);
+        effect.joint_map = [program](Values p, const JointSample& at) {
+          Outputs out = {at.q_rad};
+          program->run(std::array{at.q_rad, at.rate_rad_per_s, at.command_rad, at.t_s}, at.columns,
+                       p, out);
+          return out[0];
+        };
       break;
     case Stage::target:
       effect.target = [program](Values p, TargetShape& shape) {
@@ -203,8 +204,8 @@ void set_hook(EffectDefinition& effect, const StageVariables& stage,
     case Stage::detector:
       effect.detector = [program](Values p, Detection& at) {
         Outputs out = {at.range_m, at.bearing_rad};
-        program->run(std::array{at.range_m, at.bearing_rad, at.speed_mps, at.turn_radps, at.t_s}, p,
-                     out);
+        program->run(std::array{at.range_m, at.bearing_rad, at.speed_mps, at.turn_radps, at.t_s},
+                     at.columns, p, out);
         at.range_m = out[0], at.bearing_rad = out[1];
       };
       break;
@@ -212,8 +213,8 @@ void set_hook(EffectDefinition& effect, const StageVariables& stage,
       effect.velocity_map = [program](Values p, VelocitySample& at) {
         Outputs out = {at.velocity.vx_mps, at.velocity.vy_mps, at.velocity.omega_radps};
         program->run(
-            std::array{out[0], out[1], out[2], at.x_m, at.y_m, at.theta_rad, at.path_m, at.t_s}, p,
-            out);
+            std::array{out[0], out[1], out[2], at.x_m, at.y_m, at.theta_rad, at.path_m, at.t_s},
+            at.columns, p, out);
         at.velocity = {out[0], out[1], out[2]};
       };
       break;
@@ -295,18 +296,21 @@ std::shared_ptr<const EffectDefinition> expression_effect(const std::string& nam
     program->neutral.push_back(parameter.neutral);
     parameter_names.push_back(parameter.name);
   }
-  // What a joint's formula names besides is a column of the log.
+  // What a formula names besides is a column of the set.
   std::vector<std::pair<int, std::string>> texts;
   try {
     for (size_t i = 0; i < stage.outputs.size(); ++i) {
       if (!node.has(stage.outputs[i])) continue;
       texts.emplace_back(static_cast<int>(i), node.at(stage.outputs[i]).text());
-      if (!stage.has("q")) continue;
+      if (!stage.reads_columns) continue;
       for (const std::string& used : Formula::names_in(texts.back().second)) {
         const auto known = [&](const std::vector<std::string>& list) {
           return std::find(list.begin(), list.end(), used) != list.end();
         };
-        if (!known(inputs) && !known(parameter_names))
+        // What is nearly a variable's name is that one misspelt, of which Formula tells.
+        const bool misspelt =
+            !stage.has("q") && suggestion_for(used, inputs).starts_with(", did you mean");
+        if (!known(inputs) && !known(parameter_names) && !misspelt)
           effect->columns.push_back(used), inputs.push_back(used);
         if (inputs.size() > kMostInputs)
           node.fail(fmt::format("more than {} variables and columns", kMostInputs));
@@ -331,6 +335,7 @@ std::shared_ptr<const EffectDefinition> expression_effect(const std::string& nam
     node.fail(what);
   }
   node.finish();
+  program->columns = effect->columns;
   effect->has_neutral = is_neutral(*program, stage, effect->columns.size());
   // Nothing switches off a formula that is no identity at neutral values.
   if (!effect->has_neutral) program->neutral = {NAN};

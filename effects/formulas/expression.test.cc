@@ -150,10 +150,29 @@ TEST(Expression, FileRoundTripKeepsTheFormula) {
   const auto& effect = *again.find("friction");
   EXPECT_EQ(effect.definition->columns, std::vector<std::string>{"load_nm"});
   const std::vector<std::string> names = {"other", "load_nm"};
-  const double values[2] = {9, 2};
-  const JointSample sample{
-      .q_rad = 1, .rate_rad_per_s = -3, .extra_names = &names, .extra_values = values};
+  const std::vector<std::vector<double>> values = {{9}, {2}};
+  const JointSample sample{.q_rad = 1, .rate_rad_per_s = -3, .columns = {names, values, 0}};
   EXPECT_EQ(effect.definition->joint_map(effect.values(), sample), 1 - 0.5 * 2);
+}
+
+TEST(Expression, FormulasReadColumnsOfTheRowThatTheyActOn) {
+  const Model model = model_of(
+      "  warm: {stage: geometry, u: \"u + k * temperature_c\", parameters: {k: {value: 2}}}\n"
+      "  tired: {stage: detector, range: \"range + k * volts\", parameters: {k: {value: 3}}}\n"
+      "  slips: {stage: locomotion, vx: \"vx * (1 + k * load)\", parameters: {k: {value: 4}}}");
+  const FurtherColumns columns{{"volts", "temperature_c", "load"}, {{1, 10}, {2, 20}, {3, 30}}};
+  const auto& warm = *model.find("warm");
+  ImagePoint point{.u = 5, .columns = {columns, 1}};
+  warm.definition->image_map(warm.values(), point);
+  EXPECT_EQ(point.u, 5 + 2 * 20);
+  const auto& tired = *model.find("tired");
+  Detection seen{.range_m = 5, .columns = {columns, 1}};
+  tired.definition->detector(tired.values(), seen);
+  EXPECT_EQ(seen.range_m, 5 + 3 * 10);
+  const auto& slips = *model.find("slips");
+  VelocitySample sample{.velocity = {.vx_mps = 1}, .columns = {columns, 0}};
+  slips.definition->velocity_map(slips.values(), sample);
+  EXPECT_EQ(sample.velocity.vx_mps, 1 + 4 * 3);
 }
 
 TEST(Expression, FileRoundTripKeepsAnyName) {

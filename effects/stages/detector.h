@@ -5,6 +5,7 @@
 
 #include "effects/model.h"
 #include "effects/not_a_number.h"
+#include "effects/stages/row_columns.h"
 #include "sim_core/base/random.h"
 
 namespace seam::effects {
@@ -18,6 +19,7 @@ struct Detection {
   double speed_mps = 0;
   double turn_radps = 0;
   double t_s = 0;  // Since the set's reference.
+  RowColumns columns;
   // Variances that noise effects add to those of the set.
   double range_variance = 0;
   double bearing_variance = 0;

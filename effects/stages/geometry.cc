@@ -59,8 +59,10 @@ ImagePoint Projection::before_formulas(const Vec3& p_C, double t_s, double row, 
   return point;
 }
 
-ImagePoint Projection::project(const Vec3& p_C, double t_s, double row, int channel) const {
+ImagePoint Projection::project(const Vec3& p_C, double t_s, double row, int channel,
+                               const RowColumns& columns) const {
   ImagePoint point = before_formulas(p_C, t_s, row, channel);
+  point.columns = columns;
   for (const ModelEffect& effect : effects_) {
     if (effect.definition->image_map) effect.definition->image_map(effect.values(), point);
   }

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "effects/model.h"
+#include "effects/stages/row_columns.h"
 #include "sim_core/base/pose.h"
 
 namespace seam::effects {
@@ -24,6 +25,7 @@ struct ImagePoint {
   double row = 0;   // The (distorted) row at which it is seen.
   int channel = 1;  // 0 red, 1 green, 2 blue; grey is green.
   int width_px = 0, height_px = 0;
+  RowColumns columns;
   bool visible = true;   // False when no image point exists (behind the camera, outside the
                          // range in which the distortion is defined).
   bool at_edge = false;  // Not visible, since the lens folds the image over there: u and v are
@@ -63,13 +65,16 @@ double fold_before(double beyond, const Grows& grows) {
 // where a detector of corners reports a point (measured points).
 enum class Reaches { light, detector };
 
+inline constexpr int kGreen = 1;  // The channel of what has no colour.
+
 // The geometry of one model, ready to project many points.
 class Projection {
  public:
   Projection(const Model& model, int width_px, int height_px, Reaches end = Reaches::light);
 
   // The image point of a point in the camera's frame; invisible ones have `visible` false.
-  ImagePoint project(const Vec3& p_C, double t_s = 0, double row = 0, int channel = 1) const;
+  ImagePoint project(const Vec3& p_C, double t_s = 0, double row = 0, int channel = kGreen,
+                     const RowColumns& columns = {}) const;
 
   // The direction (z = 1, or a unit vector for fisheye) whose image is (u, v); nothing where the
   // lens maps no ray to that point. Newton's method on `project`.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "effects/model.h"
+#include "effects/stages/row_columns.h"
 #include "sim_core/base/random.h"
 
 namespace seam::effects {
@@ -43,8 +44,7 @@ struct JointSample {
   double command_rad = 0;
   double t_s = 0;
   JointRole role = JointRole::pan;
-  const std::vector<std::string>* extra_names = nullptr;  // Extra columns of the log.
-  const double* extra_values = nullptr;                   // Their values in this row.
+  RowColumns columns;
 };
 
 // The play operator (Krasnosel'skii): the load behind a gap of this width, starting centred.

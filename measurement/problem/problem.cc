@@ -5,9 +5,23 @@
 #include <limits>
 
 #include "measurement/problem/regimes.h"
+#include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {
+
+void Problem::check_columns(const Model& model, const std::vector<effects::Stage>& stages) const {
+  const std::vector<std::string> known = formula_columns();
+  for (const effects::ModelEffect& effect : model.effects()) {
+    if (std::find(stages.begin(), stages.end(), effect.definition->stage) == stages.end()) continue;
+    for (const std::string& column : effect.definition->columns) {
+      if (std::find(known.begin(), known.end(), column) != known.end()) continue;
+      throw InputError(fmt::format("{}: effect '{}' reads column '{}', which the set lacks{}",
+                                   facts_.file, effect.definition->name, column,
+                                   suggestion_for(column, known)));
+    }
+  }
+}
 
 double Score::error() const {
   const double freedom = static_cast<double>(n - nuisances);

@@ -258,6 +258,8 @@ class Problem {
   Groups all_groups() const { return Groups(facts_.groups.size(), 1); }
 
  protected:
+  // Throws InputError where a formula of one of these stages reads a column that the set lacks.
+  void check_columns(const Model& model, const std::vector<effects::Stage>& stages) const;
   // Covariates that stand for a place in the image are taken from the given model's prediction,
   // since a measured place holds the very noise that stands in the residual.
   virtual void place(const Model&) {}

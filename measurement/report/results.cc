@@ -128,9 +128,13 @@ std::string candidates_text(const std::vector<Candidate>& candidates) {
 std::string formula_text(const SearchResult& result) {
   if (!result.suggestion) return "";
   const Suggestion& formula = *result.suggestion;
+  std::string numbers;
+  for (const auto& [parameter, value, sigma] : formula.numbers)
+    numbers += fmt::format("{}{} = {:.4g} +- {:.2g}", numbers.empty() ? "" : ", ", parameter, value,
+                           sigma);
   return fmt::format(
-      "formula: {}\n  error {:.4f} -> {:.4f} on held-out groups{}\n", formula.formula,
-      formula.error_before, formula.error,
+      "formula: {}\n  {}\n  error {:.4f} -> {:.4f} on held-out groups{}\n", formula.formula,
+      numbers, formula.error_before, formula.error,
       formula.beside.empty() ? "" : fmt::format(", beside {}", fmt::join(formula.beside, ", ")));
 }
 

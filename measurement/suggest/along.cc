@@ -30,10 +30,10 @@ const FieldPlace* place_of(const Vocabulary& vocabulary, const std::vector<Field
 
 std::vector<double> values_of(const Vocabulary& vocabulary, const Facts& facts,
                               const std::string& variable) {
-  const auto name = vocabulary.covariates.find(variable);
-  if (name == vocabulary.covariates.end()) return {};
+  const auto other = vocabulary.covariates.find(variable);
+  const std::string& name = other == vocabulary.covariates.end() ? variable : other->second;
   for (const Covariate& covariate : facts.covariates) {
-    if (covariate.name == name->second) return covariate.values;
+    if (covariate.name == name) return covariate.values;
   }
   return {};
 }

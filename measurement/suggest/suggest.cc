@@ -51,6 +51,10 @@ std::optional<Suggestion> suggest(const Problem& problem, const Grown& beside,
                         .error_before = beside.assessment.error,
                         .error = best->assessment.error,
                         .log_evidence = best->log_evidence};
+  const Fit& fit = best->assessment.fit;
+  const auto& parameters = best->assessment.model.find(suggestion.effect)->definition->parameters;
+  for (size_t i = 0, k = fit.value.size() - parameters.size(); i < parameters.size(); ++i, ++k)
+    suggestion.numbers.push_back({parameters[i].name, fit.value[k], fit.sigma[k]});
   for (const Term& term : best->terms) suggestion.terms.push_back(term.label());
   const std::string help = fmt::format(
       "Proposed from residuals: error {:.4g} -> {:.4g} on held-out groups{}.",

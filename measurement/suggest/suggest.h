@@ -10,9 +10,15 @@
 namespace seam::measurement {
 
 struct Suggestion {
-  std::string effect;               // Its name in `yaml`.
-  std::string formula;              // "u: 0.0006 * (u - cx) * t": what it adds, with its values.
-  std::vector<std::string> terms;   // "u: (u - cx) * t", without the coefficient.
+  std::string effect;              // Its name in `yaml`.
+  std::string formula;             // "u: 0.0006 * (u - cx) * t": what it adds, with its values.
+  std::vector<std::string> terms;  // "u: (u - cx) * t", without the coefficient.
+  // The numbers of the formula as parameters of `yaml`, each with its standard error.
+  struct Number {
+    std::string parameter;
+    double value = 0, sigma = 0;
+  };
+  std::vector<Number> numbers;
   std::vector<std::string> beside;  // Effects found by the search that the formula was fitted with.
   double error_before = 0;          // On held-out groups: of the model without the formula,
   double error = 0;                 // and with it.

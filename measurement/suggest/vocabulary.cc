@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "effects/questions.h"
 #include "sim_core/base/error.h"
 
@@ -56,7 +58,18 @@ std::vector<Term> curves_in(const std::vector<std::string>& outputs) {
   return carriers;
 }
 
-Vocabulary geometry() {
+// Further columns of a set, by which anything may grow: each alone and times these.
+std::vector<std::string> by_columns(const std::vector<std::string>& columns,
+                                    const std::vector<std::string>& factors) {
+  std::vector<std::string> texts;
+  for (const std::string& column : columns) {
+    texts.push_back(column);
+    for (const std::string& factor : factors) texts.push_back(column + " * " + factor);
+  }
+  return texts;
+}
+
+Vocabulary geometry(const std::vector<std::string>& columns) {
   Vocabulary all{.stage = "geometry",
                  .outputs = {"u", "v"},
                  .variables = {"u", "v", "t"},
@@ -65,12 +78,15 @@ Vocabulary geometry() {
   // Along the radius, and across it (a turn of the image): one coefficient for both axes.
   together(all.terms, {{"u", "(u - cx)"}, {"v", "(v - cy)"}},
            {"t", "t * t", "r2", "r2 * t", "r2 * r2", "r2 * r2 * r2", "sign(x)", "sign(y)", "1"});
+  together(all.terms, {{"u", "(u - cx)"}, {"v", "(v - cy)"}}, by_columns(columns, {"r2"}));
   together(all.terms, {{"u", "(cy - v)"}, {"v", "(u - cx)"}}, {"t", "r2"});
   all.carriers = curves_in(all.outputs);
   together(all.carriers, {{"u", "(u - cx)"}, {"v", "(v - cy)"}}, {"@"});
   std::vector<std::string> texts = products({"x", "y", "t"}, 3);
   append(texts, {"r2 * x * x", "r2 * x * y", "r2 * y * y", "r2 * r2 * x", "r2 * r2 * y", "sign(x)",
                  "sign(y)", "sign(x) * y", "sign(y) * x", "abs(x)", "abs(y)", "1 / (1 + t)"});
+  append(texts, by_columns(columns, {"x", "y"}));
+  append(all.variables, columns);
   in_each_output(all, texts);
   // Detectors of corners err by the place within a pixel.
   for (const std::string& output : all.outputs) {
@@ -89,11 +105,7 @@ Vocabulary joint(const std::vector<std::string>& columns) {
                  "sign(rate) * q", "sign(rate) * t", "sign(rate) * q * q", "abs(rate)", "abs(q)",
                  "sign(q)", "sin(q)", "cos(q)", "sin(q) * t", "cos(q) * t", "(command - q)",
                  "sign(command - q)", "sqrt(abs(rate)) * sign(rate)"});
-  for (const std::string& column : columns) {
-    for (const char* factor :
-         {"", " * q", " * t", " * rate", " * sign(rate)", " * sin(q)", " * cos(q)"})
-      texts.push_back(column + factor);
-  }
+  append(texts, by_columns(columns, {"q", "t", "rate", "sign(rate)", "sin(q)", "cos(q)"}));
   in_each_output(all, texts);
   return all;
 }
@@ -143,7 +155,7 @@ Vocabulary light() {
   return all;
 }
 
-Vocabulary detector() {
+Vocabulary detector(const std::vector<std::string>& columns) {
   Vocabulary all{.stage = "detector",
                  .outputs = {"range", "bearing"},
                  .variables = {"range", "bearing", "speed", "turn", "t"}};
@@ -154,11 +166,13 @@ Vocabulary detector() {
   }
   append(texts, {"sign(bearing)", "abs(bearing)", "sign(bearing) * range", "abs(bearing) * range",
                  "sqrt(range)", "1 / range"});
+  append(texts, by_columns(columns, {"range", "bearing"}));
+  append(all.variables, columns);
   in_each_output(all, texts);
   return all;
 }
 
-Vocabulary locomotion() {
+Vocabulary locomotion(const std::vector<std::string>& columns) {
   Vocabulary all{.stage = "locomotion",
                  .outputs = {"vx", "vy", "omega"},
                  .variables = {"x", "y", "theta", "way", "t"},
@@ -172,7 +186,12 @@ Vocabulary locomotion() {
                  "sign(vy)", "sign(omega)", "vx * abs(vx)", "vy * abs(vy)", "omega * abs(omega)",
                  "vx * abs(omega)", "vx * sin(theta)", "vx * cos(theta)", "omega * sin(theta)",
                  "omega * cos(theta)", "sin(theta)", "cos(theta)"});
-  std::erase(texts, "1");  // A body that stands does not creep.
+  append(texts, by_columns(columns, {"vx", "vy", "omega"}));
+  append(all.variables, columns);
+  // A body that stands does not creep.
+  std::erase_if(texts, [&](const std::string& text) {
+    return text == "1" || std::find(columns.begin(), columns.end(), text) != columns.end();
+  });
   in_each_output(all, texts);
   // The whole motion, the way, aside from it, and along the floor's own axes.
   const std::string speed = "sqrt(vx * vx + vy * vy)";
@@ -181,6 +200,7 @@ Vocabulary locomotion() {
   const std::vector<std::string> factors = {"1",          "t",          speed,       "omega",
                                             "abs(omega)", "sin(theta)", "cos(theta)"};
   together(all.terms, way, factors);
+  together(all.terms, way, columns);
   together(all.terms, motion, {"1", "t", speed, "abs(omega)"});
   together(all.terms, {{"vx", "vy", -1}, {"vy", "vx"}}, factors);
   together(all.terms, {{"vx", "cos(theta)"}, {"vy", "sin(theta)", -1}}, {speed});
@@ -199,7 +219,7 @@ std::vector<Vocabulary> vocabularies(effects::Kind kind, const effects::Model& m
   for (const effects::Stage stage : effects::kind_facts(kind).formula_stages) {
     switch (stage) {
       case effects::Stage::geometry:
-        all.push_back(geometry());
+        all.push_back(geometry(columns));
         break;
       case effects::Stage::target:
         all.push_back(target());
@@ -212,10 +232,10 @@ std::vector<Vocabulary> vocabularies(effects::Kind kind, const effects::Model& m
         all.push_back(light());
         break;
       case effects::Stage::detector:
-        all.push_back(detector());
+        all.push_back(detector(columns));
         break;
       case effects::Stage::locomotion:
-        all.push_back(locomotion());
+        all.push_back(locomotion(columns));
         break;
       default:
         SEAM_CHECK(false, "no words for formulas of stage {}", to_string(stage));

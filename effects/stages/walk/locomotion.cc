@@ -76,7 +76,8 @@ Rates rates_at(const Locomotion& walk, const BodyVelocity& command, const WalkSt
   VelocitySample sample{.velocity = scaled(walk, followed_after(walk, command, state, t_s)),
                         .theta_rad = state.from.theta_rad + at.theta_rad,
                         .path_m = state.from.path_m + at.path_m,
-                        .t_s = state.t_s + t_s};
+                        .t_s = state.t_s + t_s,
+                        .columns = state.columns};
   if (!walk.formulas.empty()) {
     sample.x_m = state.from.x_m + from.cosine * at.x_m - from.sine * at.y_m;
     sample.y_m = state.from.y_m + from.sine * at.x_m + from.cosine * at.y_m;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "effects/model.h"
+#include "effects/stages/row_columns.h"
 #include "effects/stages/walk/fading_velocity.h"
 #include "sim_core/body/locomotion.h"
 
@@ -23,6 +24,7 @@ struct VelocitySample {
   double theta_rad = 0;
   double path_m = 0;
   double t_s = 0;  // Since the start of the run.
+  RowColumns columns;
 };
 
 // A body on two wheels: what their speeds make of it, and what is wrong with them.
@@ -112,6 +114,7 @@ struct WalkState : Place {
   // Where the body stood and faced at the start, on the floor's own axes, and how far it had gone:
   // for formulas.
   Place from = {};
+  RowColumns columns;  // For formulas, too.
 };
 
 // Walks for `dt_s` under a command that holds, without noise. Exact arcs where the velocity is

@@ -173,6 +173,7 @@ bool FramesProblem::is_visible(const Model& a, const Model& b) const {
 }
 
 void FramesProblem::check_model(const Model& model) const {
+  check_columns(model, {effects::Stage::geometry});
   if (!effects::has_base(model, effects::Base::projection)) {
     throw InputError(fmt::format("model '{}': {} is missing: a set of frames needs a projection",
                                  model.name(), effects::base_name(effects::Base::projection)));

@@ -151,15 +151,6 @@ double logged_angle(const Model& model, effects::JointRole role, double q_rad) {
   return q_rad;
 }
 
-// Values of a formula's extra columns in one row.
-struct FormulaColumns {
-  std::vector<double> values;
-  explicit FormulaColumns(const JointLog& log) : values(log.columns.size()) {}
-  void load(const JointLog& log, size_t k) {
-    for (size_t c = 0; c < values.size(); ++c) values[c] = log.columns[c][k];
-  }
-};
-
 }  // namespace
 
 std::string pause_too_long(const CsvTable& table, const JointLogs& set) {
@@ -293,13 +284,11 @@ std::vector<double> predict_joint_log(
     double start_radps, const std::function<void(size_t, const effects::Servo&)>& at_row,
     std::vector<double>* drives) {
   const effects::ServoModel servo = effects::servo_of(model);
-  FormulaColumns columns(log);
-  effects::JointSample sample{
-      .role = log.role, .extra_names = &set.column_names, .extra_values = columns.values.data()};
+  effects::JointSample sample{.role = log.role, .columns = {set.column_names, log.columns, 0}};
   // What the log shows when the joint (before formulas) is at q.
   const auto shown = [&](double q, double rate, double command, size_t k) {
     if (!servo.formulas.empty()) {
-      columns.load(log, k);
+      sample.columns.row = k;
       sample.q_rad = q, sample.rate_rad_per_s = rate, sample.command_rad = command,
       sample.t_s = log.time_s[k];
       for (const auto& formula : servo.formulas)

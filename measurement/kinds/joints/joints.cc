@@ -296,15 +296,7 @@ bool JointsProblem::is_smooth(const Model& model) const {
 
 void JointsProblem::check_model(const Model& model) const {
   expect_no_pause(pause_, model);
-  for (const auto& effect : model.effects()) {
-    for (const std::string& column : effect.definition->columns) {
-      const auto& known = set_.column_names;
-      if (std::find(known.begin(), known.end(), column) != known.end()) continue;
-      throw InputError(fmt::format("{}: effect '{}' reads column '{}', which the set lacks{}",
-                                   facts_.file, effect.definition->name, column,
-                                   suggestion_for(column, known)));
-    }
-  }
+  check_columns(model, {effects::Stage::joint});
 }
 
 std::string JointsProblem::not_testable(const Model& model, const EffectDefinition& effect,

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "measurement/numerics/robust.h"
+#include "measurement/sets/further_columns.h"
 #include "measurement/sets/rig.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
@@ -194,11 +195,9 @@ LandmarkData read_landmarks(const MeasurementSet& set, bool measured, Facts& fac
     facts.series_of_row.push_back(data.walk_of_row[row] * static_cast<int>(data.landmarks.size()) +
                                   data.landmark_of_row[row]);
   }
-  if (measured) {
-    for (const std::string& column : table.extra_numeric_columns(kColumns)) {
-      facts.covariates.push_back({.name = column, .values = table.numbers(column)});
-    }
-  }
+  data.further = further_columns(table, kColumns);
+  for (size_t c = 0; measured && c < data.further.names.size(); ++c)
+    facts.covariates.push_back({.name = data.further.names[c], .values = data.further.values[c]});
   return data;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "effects/stages/row_columns.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/sets/spline.h"
 
@@ -41,6 +42,7 @@ struct LandmarkData {
   // which channels these are; -1: none.
   std::vector<std::array<int, 2>> scalars;
   std::array<int, 2> channels = {-1, -1};
+  effects::FurtherColumns further;              // Of the table.
   std::vector<std::vector<int>> rows_of_frame;  // Seen at the same stamp of the same run.
 };
 

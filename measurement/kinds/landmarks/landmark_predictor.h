@@ -46,7 +46,8 @@ class LandmarkPredictor {
                             .above_m = above,
                             .x_m = pose.x_m + c * X_LC_.p.x - s * X_LC_.p.y,
                             .y_m = pose.y_m + s * X_LC_.p.x + c * X_LC_.p.y,
-                            .t_s = t};
+                            .t_s = t,
+                            .columns = {data_.further, row}};
     if (has_formulas_) {
       const Walk& walk = data_.walks[data_.walk_of_row[row]];
       seen.speed_mps = c * walk.x.rate(t) + s * walk.y.rate(t);

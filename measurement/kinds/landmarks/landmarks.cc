@@ -51,7 +51,9 @@ class LandmarksProblem : public Problem {
     }
   }
 
+  std::vector<std::string> formula_columns() const override { return data_.further.names; }
   void check_model(const Model& model) const override {
+    check_columns(model, {effects::Stage::detector});
     for (const effects::ModelEffect& effect : model.effects()) {
       if (!acts(*effect.definition)) {
         throw InputError(

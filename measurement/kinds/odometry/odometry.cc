@@ -6,6 +6,7 @@
 #include "effects/questions.h"
 #include "measurement/kinds/series_facts.h"
 #include "measurement/numerics/parallel_for.h"
+#include "measurement/sets/further_columns.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
 
@@ -89,18 +90,13 @@ void OdometryProblem::describe(const MeasurementSet& set, const CsvTable& table)
       facts_.channel_of.push_back(channel_of_pose_[channel]);
     }
   }
-  std::vector<std::string> known = {"run", "time_s", set.group};
-  known.insert(known.end(), kPoseColumns.begin(), kPoseColumns.end());
-  if (ticks_) {
-    known.insert(known.end(), kTickColumns.begin(), kTickColumns.end());
-  } else {
-    for (const char* name : {"vx_cmd_mps", "vy_cmd_mps", "omega_cmd_radps"}) {
-      columns_.push_back({name, Covariate::Type::smooth, table.numbers(name), false});
-      known.emplace_back(name);
-    }
+  for (const char* name : kCommandColumns) {
+    if (!ticks_) columns_.push_back({name, Covariate::Type::smooth, table.numbers(name), false});
   }
-  for (const std::string& name : table.extra_numeric_columns(known))
-    columns_.push_back({name, Covariate::Type::smooth, table.numbers(name), true});
+  effects::FurtherColumns further = further_columns(table, known_columns(set.group));
+  for (size_t c = 0; c < further.names.size(); ++c)
+    columns_.push_back(
+        {further.names[c], Covariate::Type::smooth, std::move(further.values[c]), true});
 }
 
 Evaluation OdometryProblem::evaluate(const Model& model, const Groups& groups,
@@ -245,6 +241,7 @@ std::vector<Groups> OdometryProblem::regimes() const {
 }
 
 void OdometryProblem::check_model(const Model& model) const {
+  check_columns(model, {effects::Stage::locomotion});
   using effects::Base;
   const effects::ModelEffect* wheels = effects::base_of(model, Base::wheels);
   if (ticks_ && wheels == nullptr)

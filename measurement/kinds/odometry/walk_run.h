@@ -12,6 +12,8 @@
 namespace seam::measurement {
 
 inline constexpr std::array<const char*, 3> kPoseColumns = {"x_m", "y_m", "theta_rad"};
+inline constexpr std::array<const char*, 3> kCommandColumns = {"vx_cmd_mps", "vy_cmd_mps",
+                                                               "omega_cmd_radps"};
 inline constexpr std::array<const char*, 2> kTickColumns = {"left_ticks", "right_ticks"};
 
 using WalkPose = std::array<double, 3>;  // x_m, y_m, theta_rad.
@@ -32,6 +34,9 @@ struct WalkRun {
   // By whose turning wheels slip.
   std::vector<std::array<double, 2>> slip_ticks;
   std::vector<WalkPose> pose;  // Measured; NaN where blank.
+  // By row of the run: they hold until the next one.
+  std::vector<std::string> column_names;
+  std::vector<std::vector<double>> columns;
 };
 
 }  // namespace seam::measurement

@@ -25,14 +25,16 @@ effects::ImagePoint PointsPredictor::image_at(size_t row, const Vec3& p_W, doubl
   double v = data_.v_px[row];
   if (timing.line_delay_s == 0) {
     const double t = instant(row, v) + late_s;
-    return projection.project(motion.to_camera(t, p_W, joint_errors), t, v);
+    return projection.project(motion.to_camera(t, p_W, joint_errors), t, v, effects::kGreen,
+                              data_.columns_of(row));
   }
   effects::ImagePoint point;
   constexpr double kSettled_px = 1e-3;
   double previous_v = v, previous_f = 0, f = 0;
   for (int step = 0; step < 30; ++step) {
     const double t = instant(row, v) + late_s;
-    point = projection.project(motion.to_camera(t, p_W, joint_errors), t, v);
+    point = projection.project(motion.to_camera(t, p_W, joint_errors), t, v, effects::kGreen,
+                               data_.columns_of(row));
     if (!point.visible) return point;
     // The row at which the point is seen is the fixed point of v -> image row; secant steps.
     f = point.light_v - v;

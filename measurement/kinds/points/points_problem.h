@@ -26,6 +26,8 @@ class PointsProblem : public Problem, public HasViews {
 
   void place(const Model& model) override;
   void check_model(const Model& model) const override;
+  // The table's, and the logged angles of the joints.
+  std::vector<std::string> formula_columns() const override { return data_.further.names; }
   Evaluation evaluate(const Model& model, const Groups& groups,
                       const Evaluation* warm) const override;
   Evaluation evaluate_held_out(const Model& model, const Groups& groups) const override;

@@ -58,7 +58,8 @@ bool refine_scattered_pose(const FewErrors& scatter, const Cameras& cameras,
     };
     for (size_t i = 0; i < seen.size(); ++i) {
       const Sighting& s = stated[i];
-      const effects::ImagePoint point = cameras.project(X_CW * s.p_W, s.t_s, s.v_px, s.camera);
+      const effects::ImagePoint point =
+          cameras.project(X_CW * s.p_W, s.t_s, s.v_px, s.camera, s.columns);
       if (!point.visible) return false;
       const Failure failure =
           failure_of(scatter, s.u_px - point.u, s.v_px - point.v, s.sigma_u, s.sigma_v);

@@ -38,7 +38,8 @@ std::vector<Sighting> PointsProblem::sightings(int frame, const std::vector<Vec3
                     .sigma_u = sigma_of(row, 0),
                     .sigma_v = sigma_of(row, 1),
                     .t_s = data_.stamp_s[row],
-                    .camera = data_.camera_of_row[row]});
+                    .camera = data_.camera_of_row[row],
+                    .columns = data_.columns_of(row)});
   }
   return seen;
 }
@@ -80,8 +81,9 @@ Evaluation PointsProblem::evaluate_unknown(const Model& model, const Groups& gro
     if (have && scatter) have = refine_scattered_pose(*scatter, cameras, seen, near, X_CW);
     for (const int row : data_.rows_of_frame[frame]) {  // Outliers too: they may come back.
       if (!have) break;
-      const effects::ImagePoint point = cameras.project(X_CW * places_W[row], data_.stamp_s[row],
-                                                        data_.v_px[row], data_.camera_of_row[row]);
+      const effects::ImagePoint point =
+          cameras.project(X_CW * places_W[row], data_.stamp_s[row], data_.v_px[row],
+                          data_.camera_of_row[row], data_.columns_of(row));
       const bool predicted = point.has_place();
       evaluation.residual[2 * row] = predicted ? data_.u_px[row] - point.u : 0;
       evaluation.residual[2 * row + 1] = predicted ? data_.v_px[row] - point.v : 0;

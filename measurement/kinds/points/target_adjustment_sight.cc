@@ -63,7 +63,8 @@ PathSighting path_sighting(const PointsData& data, size_t row, const Vec3& place
           .sigma_u = sigma_u,
           .sigma_v = sigma_v,
           .stamp_s = data.stamp_s[row],
-          .camera = data.camera_of_row[row]};
+          .camera = data.camera_of_row[row],
+          .columns = data.columns_of(row)};
 }
 
 PathSighting TargetAdjustment::sighting(const Compiled& model, const State& state,
@@ -104,7 +105,7 @@ bool TargetAdjustment::see(const Compiled& model, const State& state, size_t row
       unknown_poses_
           ? model.camera.cameras.project(
                 carried(state, row, state.X_CW[static_cast<size_t>(data.frame_of_row[row])] * p_W),
-                data.stamp_s[row], data.v_px[row], data.camera_of_row[row])
+                data.stamp_s[row], data.v_px[row], data.camera_of_row[row], data.columns_of(row))
           : model.predictor->image_at(row, p_W));
   uv = {image.u, image.v};
   return image.has_place();
@@ -164,7 +165,7 @@ bool TargetAdjustment::look(const State& state, size_t row, size_t k, Cell& cell
     return focused(state, row,
                    unknown_poses_ ? compiled_.camera.cameras.project(
                                         carried(state, row, at), data.stamp_s[row], data.v_px[row],
-                                        data.camera_of_row[row])
+                                        data.camera_of_row[row], data.columns_of(row))
                                   : compiled_.predictor->image_at(row, at));
   };
   const effects::ImagePoint here = image_of(p);

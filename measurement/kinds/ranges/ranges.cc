@@ -128,6 +128,7 @@ Evaluation RangesProblem::evaluate_smoothed(const Model& model, const Groups& gr
 }
 
 void RangesProblem::check_model(const Model& model) const {
+  check_columns(model, {effects::Stage::geometry, effects::Stage::detector});
   if (!effects::has_base(model, effects::Base::projection)) {
     throw InputError(fmt::format("model '{}': {} is missing: a set of ranges needs a projection",
                                  model.name(), effects::base_name(effects::Base::projection)));

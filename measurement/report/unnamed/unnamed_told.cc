@@ -37,12 +37,20 @@ ordered_json splines_json(const EmpiricalLens& lens) {
 
 void add_unnamed(ordered_json& json, const SearchResult& result) {
   json["noise_of_unknown_cause"] = noises_of_unknown_cause(result);
-  if (const auto& formula = result.suggestion)
-    json["suggestion"] = {
-        {"effect", formula->effect},       {"formula", formula->formula},
-        {"error", finite(formula->error)}, {"error_before", finite(formula->error_before)},
-        {"terms", formula->terms},         {"beside", formula->beside},
-        {"mimics", result.mimics},         {"yaml", formula->yaml}};
+  if (const auto& formula = result.suggestion) {
+    ordered_json numbers = ordered_json::array();
+    for (const auto& [parameter, value, sigma] : formula->numbers)
+      numbers.push_back({{"parameter", parameter}, {"value", value}, {"sigma", finite(sigma)}});
+    json["suggestion"] = {{"effect", formula->effect},
+                          {"formula", formula->formula},
+                          {"numbers", std::move(numbers)},
+                          {"error", finite(formula->error)},
+                          {"error_before", finite(formula->error_before)},
+                          {"terms", formula->terms},
+                          {"beside", formula->beside},
+                          {"mimics", result.mimics},
+                          {"yaml", formula->yaml}};
+  }
   if (result.splines) json["empirical_lens"] = splines_json(*result.splines);
   if (!result.unnamed) return;
   const UnnamedCause& cause = *result.unnamed;

@@ -9,6 +9,7 @@
 
 #include "effects/stages/geometry.h"
 #include "measurement/numerics/robust.h"
+#include "measurement/sets/further_columns.h"
 #include "measurement/sets/noise_bounds.h"
 #include "measurement/sets/pose_of_view.h"
 #include "sim_core/base/error.h"
@@ -263,7 +264,13 @@ PointsData read_points(const MeasurementSet& set, Rig rig, bool measured, Facts&
   facts.time_of_row = data.stamp_s;
   facts.series_of_row = data.view_of_row;
   facts.tests_neighbours = false;
-  if (measured) add_points_covariates(data, table, facts);
+  data.further = further_columns(table, kColumns);
+  for (size_t j = 0; j < data.rig.joint_names().size(); ++j) {
+    data.further.names.push_back(data.rig.joint_names()[j]);
+    std::vector<double>& angle = data.further.values.emplace_back();
+    for (const double t : data.stamp_s) angle.push_back(data.rig.logged(j).value(t));
+  }
+  if (measured) add_points_covariates(data, facts);
   return data;
 }
 
@@ -290,7 +297,7 @@ void place_covariates(const PointsData& data, const std::vector<double>& residua
   facts.covariates[2].values = std::move(radius);
 }
 
-void add_points_covariates(const PointsData& data, const CsvTable& table, Facts& facts) {
+void add_points_covariates(const PointsData& data, Facts& facts) {
   auto& all = facts.covariates;
   for (const char* name : {"row", "column", "radius"}) all.push_back(named(name, {}));
   place_covariates(data, std::vector<double>(2 * data.u_px.size(), 0), facts);
@@ -329,8 +336,12 @@ void add_points_covariates(const PointsData& data, const CsvTable& table, Facts&
     all.push_back(named("camera", {data.camera_of_row.begin(), data.camera_of_row.end()},
                         Covariate::Type::category));
   }
-  for (const std::string& column : table.extra_numeric_columns(kColumns))
-    all.push_back(named(column, table.numbers(column)));
+  for (size_t c = 0; c < data.further.names.size(); ++c) {
+    const std::string& name = data.further.names[c];
+    const auto& joints = data.rig.joint_names();
+    if (std::find(joints.begin(), joints.end(), name) == joints.end())
+      all.push_back(named(name, data.further.values[c]));
+  }
 }
 
 }  // namespace seam::measurement

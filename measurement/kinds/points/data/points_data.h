@@ -33,6 +33,8 @@ struct PointsData {
   // What one camera sees in one frame.
   std::vector<std::vector<int>> rows_of_view;
   std::vector<int> view_of_row;
+  effects::FurtherColumns further;  // Of the table, and the logged angles of the joints.
+  effects::RowColumns columns_of(size_t row) const { return {further, row}; }
 
   // When in its image's time this point's row is read: -1/2 at the first row, 1/2 at the last.
   double part_read(size_t row) const {
@@ -55,6 +57,6 @@ std::vector<int> lines_behind_camera(const Model& model, const MeasurementSet& s
 void place_covariates(const PointsData& data, const std::vector<double>& residual, Facts& facts);
 
 // Covariates of points (docs/reference/definitions.md, "What remains").
-void add_points_covariates(const PointsData& data, const CsvTable& table, Facts& facts);
+void add_points_covariates(const PointsData& data, Facts& facts);
 
 }  // namespace seam::measurement

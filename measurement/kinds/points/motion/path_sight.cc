@@ -33,8 +33,8 @@ effects::ImagePoint seen_at(const RowCamera& camera, const Stretch& stretch,
   for (int step = 0; step < kSteps; ++step) {
     instant_s = point.stamp_s + clock.late_s + clock.line_delay_s * v;
     const PathPoint path = path_at(stretch, controls, instant_s, /*with_slopes=*/false);
-    image =
-        camera.cameras.project(path.R * point.p_T + path.middle_C, point.stamp_s, v, point.camera);
+    image = camera.cameras.project(path.R * point.p_T + path.middle_C, point.stamp_s, v,
+                                   point.camera, point.columns);
     const double f = image.light_v - v;
     if (!image.visible || clock.line_delay_s == 0 || std::abs(f) < kExact_px) break;
     const double slope = step == 0 || v == previous_v ? -1 : (f - previous_f) / (v - previous_v);
@@ -69,7 +69,7 @@ bool look_on_path(const PathLayout& layout, const RowCamera& camera,
     Vec3 moved_C = p_C;
     moved_C[axis] += h;
     const effects::ImagePoint there =
-        camera.cameras.project(moved_C, point.stamp_s, here.v, point.camera);
+        camera.cameras.project(moved_C, point.stamp_s, here.v, point.camera, point.columns);
     if (!there.visible) return false;
     by_C.col(axis) << (there.u - here.u) / h, (there.v - here.v) / h;
   }

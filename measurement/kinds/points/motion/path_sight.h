@@ -18,6 +18,7 @@ struct PathSighting {
   double sigma_u = 1, sigma_v = 1;
   double stamp_s = 0;
   int camera = 0;
+  effects::RowColumns columns;
 };
 
 // The time from one row's exposure to the next one's, and by how much the first one is later than

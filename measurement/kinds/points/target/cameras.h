@@ -24,9 +24,10 @@ class Cameras {
   Cameras(const effects::Model& model, const std::vector<CameraView>& views);
 
   // The image of a point in the first camera's frame, as the camera of this number has it.
-  effects::ImagePoint project(const Vec3& p_C, double t_s, double row, int camera = 0) const {
+  effects::ImagePoint project(const Vec3& p_C, double t_s, double row, int camera = 0,
+                              const effects::RowColumns& columns = {}) const {
     const auto k = static_cast<size_t>(camera);
-    return lenses_[k].project(k == 0 ? p_C : X_KC_[k] * p_C, t_s, row);
+    return lenses_[k].project(k == 0 ? p_C : X_KC_[k] * p_C, t_s, row, effects::kGreen, columns);
   }
 
   const effects::Projection& lens(int camera) const { return lenses_[static_cast<size_t>(camera)]; }

@@ -238,7 +238,8 @@ bool pose_slopes(const Cameras& cameras, const std::vector<Sighting>& seen, cons
     for (int axis = 0; axis < 3; ++axis) {
       Vec3 moved_C = p_C;
       moved_C[axis] += h;
-      const effects::ImagePoint there = cameras.project(moved_C, s.t_s, s.v_px, s.camera);
+      const effects::ImagePoint there =
+          cameras.project(moved_C, s.t_s, s.v_px, s.camera, s.columns);
       if (!there.has_place()) return false;
       du[axis] = (there.u - image[i][0]) / h;
       dv[axis] = (there.v - image[i][1]) / h;
@@ -260,7 +261,8 @@ bool image_of(const Cameras& cameras, const std::vector<Sighting>& seen, const P
   image.resize(seen.size());
   for (size_t i = 0; i < seen.size(); ++i) {
     const Sighting& s = seen[i];
-    const effects::ImagePoint point = cameras.project(X_CW * s.p_W, s.t_s, s.v_px, s.camera);
+    const effects::ImagePoint point =
+        cameras.project(X_CW * s.p_W, s.t_s, s.v_px, s.camera, s.columns);
     if (!point.has_place()) return false;
     image[i] = {point.u, point.v};
   }

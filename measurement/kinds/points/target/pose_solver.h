@@ -15,6 +15,7 @@ struct Sighting {
   double sigma_u = 1, sigma_v = 1;
   double t_s = 0;
   int camera = 0;
+  effects::RowColumns columns;
 };
 
 // X_CW from what is linear: a homography of the points projected on their plane where they lie in
