@@ -51,6 +51,7 @@ ROOMS = {
         "stages/robots": [".", "stages", "stages/inertial", "stages/walk"],
         "formulas": [".", "stages", "stages/sensor", "stages/walk"],
         "catalogue/*": [".", "stages", "stages/inertial", "stages/sensor", "stages/torque", "stages/walk"],
+        "schema": ["."],
         "proof": [".", "stages", "stages/inertial", "stages/sensor", "stages/torque", "stages/walk"],
     },
     "proto": {".": []},

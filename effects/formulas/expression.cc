@@ -307,7 +307,7 @@ std::shared_ptr<const EffectDefinition> expression_effect(const std::string& nam
         const auto known = [&](const std::vector<std::string>& list) {
           return std::find(list.begin(), list.end(), used) != list.end();
         };
-        // What is nearly a variable's name is that one misspelt, of which Formula tells.
+        // What is nearly a variable's name is that one misspelt, of which Formula reports.
         const bool misspelt =
             !stage.has("q") && suggestion_for(used, inputs).starts_with(", did you mean");
         if (!known(inputs) && !known(parameter_names) && !misspelt)

@@ -5,7 +5,7 @@
 
 #include "effects/model.h"
 #include "effects/not_a_number.h"
-#include "effects/stages/row_columns.h"
+#include "effects/row_columns.h"
 #include "sim_core/base/random.h"
 
 namespace seam::effects {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "effects/model.h"
-#include "effects/stages/row_columns.h"
+#include "effects/row_columns.h"
 #include "sim_core/base/pose.h"
 
 namespace seam::effects {

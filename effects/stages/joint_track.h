@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "effects/model.h"
-#include "effects/stages/row_columns.h"
+#include "effects/row_columns.h"
 #include "sim_core/base/random.h"
 
 namespace seam::effects {

@@ -44,8 +44,7 @@ FunctionBeside::FunctionBeside(const PartsOfScalars& parts, std::shared_ptr<cons
       add_gram(columns.middleRows(begin, parts.begin_of_segment[segment + 1] - begin), gram);
     }
     const auto basis = parts.rows(*span_, part);
-    const MatrixXd half =
-        along[part] - 0.5 * (basis.transpose() * basis).eval() * followed_;
+    const MatrixXd half = along[part] - 0.5 * (basis.transpose() * basis).eval() * followed_;
     const MatrixXd less = half.transpose() * followed_;
     gram -= less + less.transpose();
     gram_ += gram;

@@ -15,8 +15,7 @@ using Eigen::VectorXd;
 
 MatrixXd drawn_matrix(Index rows, Index cols, uint64_t stream) {
   MatrixXd m(rows, cols);
-  for (Index i = 0; i < m.size(); ++i)
-    m.data()[i] = normal({11, stream}, static_cast<uint64_t>(i));
+  for (Index i = 0; i < m.size(); ++i) m.data()[i] = normal({11, stream}, static_cast<uint64_t>(i));
   return m;
 }
 

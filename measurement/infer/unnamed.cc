@@ -124,10 +124,9 @@ MatrixXd Residuals::of_scalars(const std::vector<std::vector<double>>& columns) 
 Residuals::Columns Residuals::columns_in(const SmoothField& field) const {
   FieldColumns made = columns_of(problem_.facts(), field);
   if (made.values.empty()) return {};
-  return {of_scalars(
-              problem_.following(model_, problem_.all_groups(), here_, std::move(made.values))),
-          Eigen::Map<const VectorXd>(made.smoother.data(),
-                                     static_cast<Index>(made.smoother.size()))};
+  return {
+      of_scalars(problem_.following(model_, problem_.all_groups(), here_, std::move(made.values))),
+      Eigen::Map<const VectorXd>(made.smoother.data(), static_cast<Index>(made.smoother.size()))};
 }
 
 FunctionBeside Residuals::function_of(const SmoothField& field, const Columns& columns) const {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "effects/stages/row_columns.h"
+#include "effects/row_columns.h"
 #include "measurement/sets/csv.h"
 
 namespace seam::measurement {

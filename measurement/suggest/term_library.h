@@ -65,7 +65,7 @@ class TermLibrary {
   FewRows rows_;
   double count_ = 0;
   double share_ = 1;  // How many residuals there are for each that is looked at.
-  Evaluation start_;                       // Of the base.
+  Evaluation start_;  // Of the base.
   std::unique_ptr<SmallChanges> changes_;  // From there.
   std::vector<Term> terms_;
   std::vector<ByScalar> library_;  // Derivatives by each term's coefficient.

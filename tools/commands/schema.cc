@@ -1,7 +1,7 @@
 // `seam schema FORMAT`: the JSON Schema of a file format, for editors that complete and check keys.
 #include <cstdio>
 
-#include "effects/model_schema.h"
+#include "effects/schema/model_schema.h"
 #include "measurement/sets/set.h"
 #include "sim_core/scenario/scenario.h"
 #include "sim_core/scene/scene_file.h"

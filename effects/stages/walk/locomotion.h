@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "effects/model.h"
-#include "effects/stages/row_columns.h"
+#include "effects/row_columns.h"
 #include "effects/stages/walk/fading_velocity.h"
 #include "sim_core/body/locomotion.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "effects/stages/row_columns.h"
+#include "effects/row_columns.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/sets/spline.h"
 

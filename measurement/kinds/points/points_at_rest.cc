@@ -18,8 +18,10 @@ PointsProblem::ViewsAtRest::ViewsAtRest(const PointsProblem& problem, const Mode
                [&](size_t frame) { views_[frame] = view_of(frame, cameras, groups, here); });
 }
 
-PointsProblem::ViewsAtRest::View PointsProblem::ViewsAtRest::view_of(
-    size_t frame, const Cameras& cameras, const Groups& groups, const Evaluation& here) const {
+PointsProblem::ViewsAtRest::View PointsProblem::ViewsAtRest::view_of(size_t frame,
+                                                                     const Cameras& cameras,
+                                                                     const Groups& groups,
+                                                                     const Evaluation& here) const {
   const std::vector<int>& rows = problem_.data_.rows_of_frame[frame];
   View view;
   if (!groups[problem_.facts().group_of_row[rows.front()]]) return view;
@@ -93,8 +95,8 @@ void PointsProblem::ViewsAtRest::follow(std::vector<double>& column) const {
 
 std::unique_ptr<SmallChanges> PointsProblem::small_changes(const Model& model, const Groups& groups,
                                                            const Evaluation& here) const {
-  const bool at_rest = data_.rig.type() == Rig::Type::unknown && !moves() &&
-                       !effects::target_of(model).has_draws();
+  const bool at_rest =
+      data_.rig.type() == Rig::Type::unknown && !moves() && !effects::target_of(model).has_draws();
   if (!at_rest) return Problem::small_changes(model, groups, here);
   return std::make_unique<ViewsAtRest>(*this, model, groups, here);
 }

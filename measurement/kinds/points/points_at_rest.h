@@ -35,7 +35,7 @@ class PointsProblem::ViewsAtRest : public SmallChanges {
 
   const PointsProblem& problem_;
   std::vector<Vec3> places_W_;
-  std::vector<Eigen::Matrix2d> counted_;  // Of scattered residuals, by row. Empty: they count as is.
+  std::vector<Eigen::Matrix2d> counted_;  // Of scattered residuals, by row. Empty: as they are.
   std::vector<View> views_;
 };
 

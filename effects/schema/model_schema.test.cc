@@ -1,4 +1,4 @@
-#include "effects/model_schema.h"
+#include "effects/schema/model_schema.h"
 
 #include "effects/model.h"
 #include "sim_core/base/config.h"
