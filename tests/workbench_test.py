@@ -187,9 +187,9 @@ class Workbench(OfTheRoom):
                              [("001", None), ("002", "001"), ("003", "001")])
             formula = {"stage": "geometry", "name": "shift", "text": 'u: "u + k"\nparameters:\n  k: {neutral: 0}\n'}
             self.assertEqual(page.ask("formula/check", formula).json, {"ok": True, "parameters": ["k"]})
-            wrong = page.ask("formula/check", {**formula, "text": 'u: "u + nonsense"\n'}).json
+            wrong = page.ask("formula/check", {**formula, "text": 'u: "u + r3"\n'}).json
             self.assertIs(wrong["ok"], False)
-            self.assertIn("nonsense", wrong["error"])
+            self.assertIn("unknown name 'r3', did you mean 'r2'", wrong["error"])
             page.change("goto", version="002")
             self.assertEqual(page.change("formula/fit", **formula).json["current"], "004")
             page.table("rows?version=004")

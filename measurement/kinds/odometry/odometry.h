@@ -114,9 +114,10 @@ class OdometryProblem : public Problem {
     CountErrors counted;
   };
 
-  // By row: relative changes of the way and of the turn since the row before.
+  // By row, of the step since the row before: relative changes of its way and of its turn, and how
+  // far it turns and goes aside for each metre of its way.
   struct Stretch {
-    std::vector<double> way, turn;
+    std::vector<double> way, turn, turn_of_way, aside;
   };
 
   // Of x, y and heading; 0 of what is not measured.

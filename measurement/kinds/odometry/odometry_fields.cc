@@ -1,5 +1,6 @@
 // Where causes without a name may act on a body that walks or drives, beside what its poses show by
-// themselves: on its ways and its turns, in proportion, as a floor, a slope or a worn wheel does.
+// themselves: on its ways and its turns, in proportion, as a floor or a worn wheel does, and on how
+// far it turns and slips aside on its way, as a slope or a pile of a carpet does.
 #include <cmath>
 
 #include "measurement/kinds/odometry/odometry.h"
@@ -10,9 +11,12 @@ OdometryProblem::Walked OdometryProblem::stretched(const Walked& walked, const W
                                                    const Stretch& by) {
   Walked out = walked;
   for (size_t k = 1; k < out.path.size(); ++k) {
-    const double way = 1 + by.way[run.rows[k]], turn = 1 + by.turn[run.rows[k]];
+    const size_t row = run.rows[k];
+    const double way = 1 + by.way[row], turn = 1 + by.turn[row], aside = by.aside[row];
     WalkPose& step = out.steps[k];
-    step = {step[0] * way, step[1] * way, step[2] * turn};
+    const double metres = std::hypot(step[0], step[1]);
+    step = {step[0] * way - step[1] * aside, step[1] * way + step[0] * aside,
+            step[2] * turn + by.turn_of_way[row] * metres};
     const effects::WalkState& before = out.path[k - 1];
     const WalkPose here = placed({before.x_m, before.y_m, before.theta_rad}, step);
     out.path[k].x_m = here[0], out.path[k].y_m = here[1], out.path[k].theta_rad = here[2];
@@ -24,20 +28,29 @@ std::vector<FieldPlace> OdometryProblem::field_places(const Model& model,
                                                       const Evaluation& here) const {
   constexpr double kStep = 1e-4;
   constexpr int kWay = 0, kTurn = 2;  // Where the channels of a place and of a heading stand.
+  using ByRow = std::vector<double> Stretch::*;
   const size_t rows = facts_.rows();
   // By differences, so that starts and all that hangs together along a run follow.
-  const auto moves = [this, model, rows, whitened = here.whitened](std::vector<double>& column) {
-    Stretch stretch{std::vector<double>(rows, 0), std::vector<double>(rows, 0)};
+  const auto moved_by = [this, model, rows, whitened = here.whitened](ByRow what, int channel,
+                                                                      std::vector<double>& column) {
+    const std::vector<double> none(rows, 0);
+    Stretch stretch{none, none, none, none};
     for (size_t row = 0; row < rows; ++row) {
-      if (scalar(row, kWay) >= 0) stretch.way[row] = kStep * column[scalar(row, kWay)];
-      if (scalar(row, kTurn) >= 0) stretch.turn[row] = kStep * column[scalar(row, kTurn)];
+      if (scalar(row, channel) >= 0) (stretch.*what)[row] = kStep * column[scalar(row, channel)];
     }
     const Evaluation there = evaluate_walks(model, all_groups(), &stretch);
     for (size_t i = 0; i < column.size(); ++i)
       column[i] = there.valid ? (whitened[i] - there.whitened[i]) / kStep : 0;
   };
   std::vector<FieldPlace> places;
-  for (const int channel : {kWay, kTurn}) {
+  const std::pair<ByRow, int> ways[] = {{&Stretch::way, kWay},
+                                        {&Stretch::turn, kTurn},
+                                        {&Stretch::turn_of_way, kTurn},
+                                        {&Stretch::aside, kWay}};
+  for (const auto& [what, channel] : ways) {
+    const auto moves = [moved_by, what = what, channel = channel](std::vector<double>& column) {
+      moved_by(what, channel, column);
+    };
     std::vector<double> constant(facts_.scalars(), 0);
     for (size_t row = 0; row < rows; ++row) {
       if (scalar(row, channel) >= 0) constant[scalar(row, channel)] = 1;

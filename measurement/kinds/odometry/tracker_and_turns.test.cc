@@ -24,6 +24,7 @@ struct Drive {
   double x_m = 0, y_m = 0;       // Of the tracker.
   double scale = 0, excess = 0;  // Of turns.
   double drift_rad_per_m = 0;
+  double pile_rad_per_m = 0;  // A carpet's: turns by where the body heads.
   uint64_t seed = 1;
 };
 
@@ -46,7 +47,8 @@ fs::path driven(const Drive& what) {
                           py + kNoise_m * draw(3, 3 * k + 1),
                           std::remainder(theta + kNoise_rad * draw(3, 3 * k + 2), 2 * M_PI));
       const double turned = omega * (1 + what.scale) + what.excess * std::max(omega, 0.0) +
-                            what.drift_rad_per_m * std::abs(vx);
+                            what.drift_rad_per_m * std::abs(vx) +
+                            what.pile_rad_per_m * vx * std::sin(2 * theta);
       for (int step = 0; step < 20; ++step) {
         x += 0.001 * vx * std::cos(theta + 0.0005 * turned);
         y += 0.001 * vx * std::sin(theta + 0.0005 * turned);
@@ -136,6 +138,16 @@ TEST(TrackerBesideTheAxle, IsMeasuredAsTheFormulaSays) {
     EXPECT_NEAR(-s * (x0[k] - x0[0]) + c * (y0[k] - y0[0]), y[k], 8 * kNoise_m) << k;
     EXPECT_NEAR(std::remainder(theta0[k] - theta0[0] - theta[k], 2 * M_PI), 0, 8 * kNoise_rad) << k;
   }
+}
+
+// No effect has it, and noise of the way would take it: what it depends on is told, not that noise.
+TEST(Floor, ThatTurnsABodyByItsHeadingIsACauseWithoutAName) {
+  const SearchResult result = searched(driven({.name = "pile", .pile_rad_per_m = 0.1}));
+  ASSERT_TRUE(result.unnamed);
+  ASSERT_FALSE(result.unnamed->depends_on.empty());
+  EXPECT_EQ(result.unnamed->depends_on[0], std::vector<std::string>{"heading"});
+  EXPECT_TRUE(result.steps.empty());
+  EXPECT_LT(result.unnamed->error_after, 1.1);
 }
 
 }  // namespace
