@@ -288,11 +288,14 @@ std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
 
 namespace {
 
-// Effects of the mean that act only beside a base that the model has.
+// Effects of the mean that act only beside a base that the model has, and may begin with it: not
+// those of a wave, whose frequency shows in what the others leave.
 EffectList dependents_of(const Problem& problem, const Model& model, const EffectList& own) {
   EffectList dependents = absent_effects(problem, model, own);
-  std::erase_if(dependents, [](const auto& effect) {
-    return effect->needs_base == effects::Base::none || effect->spread_only;
+  std::erase_if(dependents, [&](const auto& effect) {
+    return effect->needs_base == effects::Base::none || effect->spread_only ||
+           effects::start_rule(*effect, problem.facts().set.kind).search ==
+               effects::StartSearch::frequency;
   });
   return dependents;
 }
