@@ -24,22 +24,26 @@ std::shared_ptr<const EffectDefinition> sized(const std::string& name) {
   return made_effect(name, {{.name = "size", .min = -100, .max = 100, .scale = 1}});
 }
 
-// y = level + cube x^3, of data that are a wave.
+// y = level + size shape(x), of data that are a wave.
+struct Wave : MadeProblem {
+  explicit Wave(double (*shape)(double))
+      : MadeProblem(evenly(-1, 1, 600), kNoiseOfWave,
+                    [shape](const std::vector<double>& p, double x) {
+                      return p[0] + (p.size() > 1 ? p[1] * shape(x) : 0);
+                    }) {
+    deal_into(12);
+    facts_.covariates = {{.name = "x", .values = x()}};
+    std::vector<double> y;
+    for (size_t i = 0; i < x().size(); ++i)
+      y.push_back(0.2 * wave(x()[i]) + kNoiseOfWave * normal({7, 2}, i));
+    take(std::move(y));
+  }
+  static double wave(double x) { return std::sin(5 * x); }
+  static double cube(double x) { return x * x * x; }
+};
+
 TEST(LookForUnnamed, AStepThatOnlyImitatesAWaveIsNoStep) {
-  struct Wave : MadeProblem {
-    Wave() : MadeProblem(evenly(-1, 1, 600), kNoiseOfWave, level_and_cube) {
-      deal_into(12);
-      facts_.covariates = {{.name = "x", .values = x()}};
-      std::vector<double> y;
-      for (size_t i = 0; i < x().size(); ++i)
-        y.push_back(0.2 * std::sin(5 * x()[i]) + kNoiseOfWave * normal({7, 2}, i));
-      take(std::move(y));
-    }
-    static double level_and_cube(const std::vector<double>& p, double at) {
-      return p[0] + (p.size() > 1 ? p[1] * at * at * at : 0);
-    }
-  };
-  const Wave problem;
+  const Wave problem(Wave::cube);
   Model level, cube;
   level.set(sized("level"), {{.value = 0}});
   cube = level;
@@ -60,20 +64,7 @@ TEST(LookForUnnamed, AStepThatOnlyImitatesAWaveIsNoStep) {
 
 // A function that is ahead by less than it must be of a mean takes the place of a spread.
 TEST(LookForUnnamed, OfASpreadAFunctionNeedsNoLead) {
-  struct Wave : MadeProblem {
-    Wave()
-        : MadeProblem(evenly(-1, 1, 600), kNoiseOfWave, [](const std::vector<double>& p, double x) {
-            return p[0] + (p.size() > 1 ? p[1] * std::sin(5 * x) : 0);
-          }) {
-      deal_into(12);
-      facts_.covariates = {{.name = "x", .values = x()}};
-      std::vector<double> y;
-      for (size_t i = 0; i < x().size(); ++i)
-        y.push_back(0.2 * std::sin(5 * x()[i]) + kNoiseOfWave * normal({7, 2}, i));
-      take(std::move(y));
-    }
-  };
-  const Wave problem;
+  const Wave problem(Wave::wave);
   Model level;
   level.set(sized("level"), {{.value = 0}});
   const Grown base{.assessment = assess(problem, level, {{"level", 0}})};

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "effects/questions.h"
 #include "sim_core/base/error.h"
 
@@ -58,13 +56,13 @@ std::vector<Term> curves_in(const std::vector<std::string>& outputs) {
   return carriers;
 }
 
-// Further columns of a set, by which anything may grow: each alone and times these.
+// Further columns of a set, by which anything may grow: each times these ("1": alone).
 std::vector<std::string> by_columns(const std::vector<std::string>& columns,
                                     const std::vector<std::string>& factors) {
   std::vector<std::string> texts;
   for (const std::string& column : columns) {
-    texts.push_back(column);
-    for (const std::string& factor : factors) texts.push_back(column + " * " + factor);
+    for (const std::string& factor : factors)
+      texts.push_back(factor == "1" ? column : column + " * " + factor);
   }
   return texts;
 }
@@ -78,14 +76,14 @@ Vocabulary geometry(const std::vector<std::string>& columns) {
   // Along the radius, and across it (a turn of the image): one coefficient for both axes.
   together(all.terms, {{"u", "(u - cx)"}, {"v", "(v - cy)"}},
            {"t", "t * t", "r2", "r2 * t", "r2 * r2", "r2 * r2 * r2", "sign(x)", "sign(y)", "1"});
-  together(all.terms, {{"u", "(u - cx)"}, {"v", "(v - cy)"}}, by_columns(columns, {"r2"}));
+  together(all.terms, {{"u", "(u - cx)"}, {"v", "(v - cy)"}}, by_columns(columns, {"1", "r2"}));
   together(all.terms, {{"u", "(cy - v)"}, {"v", "(u - cx)"}}, {"t", "r2"});
   all.carriers = curves_in(all.outputs);
   together(all.carriers, {{"u", "(u - cx)"}, {"v", "(v - cy)"}}, {"@"});
   std::vector<std::string> texts = products({"x", "y", "t"}, 3);
   append(texts, {"r2 * x * x", "r2 * x * y", "r2 * y * y", "r2 * r2 * x", "r2 * r2 * y", "sign(x)",
                  "sign(y)", "sign(x) * y", "sign(y) * x", "abs(x)", "abs(y)", "1 / (1 + t)"});
-  append(texts, by_columns(columns, {"x", "y"}));
+  append(texts, by_columns(columns, {"1", "x", "y"}));
   append(all.variables, columns);
   in_each_output(all, texts);
   // Detectors of corners err by the place within a pixel.
@@ -105,7 +103,7 @@ Vocabulary joint(const std::vector<std::string>& columns) {
                  "sign(rate) * q", "sign(rate) * t", "sign(rate) * q * q", "abs(rate)", "abs(q)",
                  "sign(q)", "sin(q)", "cos(q)", "sin(q) * t", "cos(q) * t", "(command - q)",
                  "sign(command - q)", "sqrt(abs(rate)) * sign(rate)"});
-  append(texts, by_columns(columns, {"q", "t", "rate", "sign(rate)", "sin(q)", "cos(q)"}));
+  append(texts, by_columns(columns, {"1", "q", "t", "rate", "sign(rate)", "sin(q)", "cos(q)"}));
   in_each_output(all, texts);
   return all;
 }
@@ -166,7 +164,7 @@ Vocabulary detector(const std::vector<std::string>& columns) {
   }
   append(texts, {"sign(bearing)", "abs(bearing)", "sign(bearing) * range", "abs(bearing) * range",
                  "sqrt(range)", "1 / range"});
-  append(texts, by_columns(columns, {"range", "bearing"}));
+  append(texts, by_columns(columns, {"1", "range", "bearing"}));
   append(all.variables, columns);
   in_each_output(all, texts);
   return all;
@@ -188,10 +186,7 @@ Vocabulary locomotion(const std::vector<std::string>& columns) {
                  "omega * cos(theta)", "sin(theta)", "cos(theta)"});
   append(texts, by_columns(columns, {"vx", "vy", "omega"}));
   append(all.variables, columns);
-  // A body that stands does not creep.
-  std::erase_if(texts, [&](const std::string& text) {
-    return text == "1" || std::find(columns.begin(), columns.end(), text) != columns.end();
-  });
+  std::erase(texts, "1");  // A body that stands does not creep.
   in_each_output(all, texts);
   // The whole motion, the way, aside from it, and along the floor's own axes.
   const std::string speed = "sqrt(vx * vx + vy * vy)";

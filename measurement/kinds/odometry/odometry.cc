@@ -6,7 +6,6 @@
 #include "effects/questions.h"
 #include "measurement/kinds/series_facts.h"
 #include "measurement/numerics/parallel_for.h"
-#include "measurement/sets/further_columns.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
 
@@ -93,10 +92,9 @@ void OdometryProblem::describe(const MeasurementSet& set, const CsvTable& table)
   for (const char* name : kCommandColumns) {
     if (!ticks_) columns_.push_back({name, Covariate::Type::smooth, table.numbers(name), false});
   }
-  effects::FurtherColumns further = further_columns(table, known_columns(set.group));
+  const effects::FurtherColumns& further = *runs_.front().further;
   for (size_t c = 0; c < further.names.size(); ++c)
-    columns_.push_back(
-        {further.names[c], Covariate::Type::smooth, std::move(further.values[c]), true});
+    columns_.push_back({further.names[c], Covariate::Type::smooth, further.values[c], true});
 }
 
 Evaluation OdometryProblem::evaluate(const Model& model, const Groups& groups,

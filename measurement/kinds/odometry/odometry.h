@@ -27,9 +27,6 @@ namespace seam::measurement {
 std::vector<WalkRun> read_walk_runs(const CsvTable& table, const std::string& group_column,
                                     bool measured, size_t* repeated = nullptr);
 
-// Columns of the table that are no further ones.
-std::vector<std::string> known_columns(const std::string& group_column);
-
 // Whether a table tells of wheels' ticks, not of commanded velocities.
 bool has_ticks(const CsvTable& table);
 
@@ -88,7 +85,7 @@ class OdometryProblem : public Problem {
   Evaluation evaluate(const Model& model, const Groups& groups,
                       const Evaluation* warm) const override;
   void check_model(const Model& model) const override;
-  std::vector<std::string> formula_columns() const override { return runs_.front().column_names; }
+  std::vector<std::string> formula_columns() const override { return runs_.front().further->names; }
   std::vector<FreeError> free_prediction(const Model& model, const Groups& groups) const override;
   // On ways and turns: an error of either moves all later poses.
   std::vector<FieldPlace> field_places(const Model& model, const Evaluation& here) const override;

@@ -3,9 +3,11 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "effects/row_columns.h"
 #include "measurement/kinds/odometry/rolled_way.h"
 #include "sim_core/body/locomotion.h"
 
@@ -34,9 +36,8 @@ struct WalkRun {
   // By whose turning wheels slip.
   std::vector<std::array<double, 2>> slip_ticks;
   std::vector<WalkPose> pose;  // Measured; NaN where blank.
-  // By row of the run: they hold until the next one.
-  std::vector<std::string> column_names;
-  std::vector<std::vector<double>> columns;
+  // By row of the file: they hold until the next one. Of all runs alike; null: none.
+  std::shared_ptr<const effects::FurtherColumns> further;
 };
 
 }  // namespace seam::measurement

@@ -149,6 +149,9 @@ bool has_ticks(const CsvTable& table) {
   return table.has(kTickColumns[0]) || table.has(kTickColumns[1]);
 }
 
+namespace {
+
+// Columns of the table that are no further ones.
 std::vector<std::string> known_columns(const std::string& group_column) {
   std::vector<std::string> known = {"run", "time_s", group_column};
   for (const auto& names :
@@ -158,13 +161,16 @@ std::vector<std::string> known_columns(const std::string& group_column) {
   return known;
 }
 
+}  // namespace
+
 std::vector<WalkRun> read_walk_runs(const CsvTable& table, const std::string& group_column,
                                     bool measured, size_t* repeated) {
   const auto times = table.times_ns("time_s");
   const Motion motion(table);
   const auto names = table.texts(table.has("run") ? "run" : group_column);
   const std::array<std::vector<double>, 3> pose = read_poses(table, measured);
-  const effects::FurtherColumns further = further_columns(table, known_columns(group_column));
+  const auto further = std::make_shared<const effects::FurtherColumns>(
+      further_columns(table, known_columns(group_column)));
   std::vector<WalkRun> runs;
   std::unordered_map<std::string, size_t> place;  // Only looked up.
   std::vector<int64_t> first_ns, last_ns;
@@ -172,9 +178,7 @@ std::vector<WalkRun> read_walk_runs(const CsvTable& table, const std::string& gr
   for (size_t row = 0; row < table.rows(); ++row) {
     const auto [found, is_new] = place.try_emplace(names[row], runs.size());
     if (is_new) {
-      runs.push_back({.name = names[row],
-                      .column_names = further.names,
-                      .columns = std::vector<std::vector<double>>(further.names.size())});
+      runs.push_back({.name = names[row], .further = further});
       first_ns.push_back(times[row]);
       last_ns.push_back(times[row] - 1);
       carried.push_back({0, 0});
@@ -204,8 +208,6 @@ std::vector<WalkRun> read_walk_runs(const CsvTable& table, const std::string& gr
       run.command.push_back(motion.command(row));
     }
     run.pose.push_back({pose[0][row], pose[1][row], pose[2][row]});
-    for (size_t c = 0; c < run.columns.size(); ++c)
-      run.columns[c].push_back(further.values[c][row]);
   }
   if (motion.of_ticks()) find_ways(runs);
   return runs;
@@ -223,7 +225,7 @@ class Drive {
         ticks_(in_time_.empty() ? ticks_of(run, as) : in_time_) {}
 
   void advance(size_t row, double dt_s, effects::WalkState& state) {
-    state.columns = {run_.column_names, run_.columns, row};
+    if (run_.further) state.columns = {*run_.further, run_.rows[row]};
     if (!run_.slip_ticks.empty() && walk_.wheels.slip_s != 0)
       walk_.wheels.slips_in = by_ticks(run_.slip_ticks, row);
     effects::advance_walk(walk_, ticks_.empty() ? run_.command[row] : by_ticks(ticks_, row), dt_s,

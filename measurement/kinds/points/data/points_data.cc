@@ -303,15 +303,15 @@ void add_points_covariates(const PointsData& data, Facts& facts) {
   place_covariates(data, std::vector<double>(2 * data.u_px.size(), 0), facts);
   const auto [first, last] = std::minmax_element(data.stamp_s.begin(), data.stamp_s.end());
   if (*last > *first) all.push_back(named("time", data.stamp_s));
+  const size_t of_table = data.further.names.size() - data.rig.joint_names().size();
   for (size_t j = 0; j < data.rig.joint_names().size(); ++j) {
-    std::vector<double> angle, rate, sign;
+    std::vector<double> rate, sign;
     for (const double t : data.stamp_s) {
-      angle.push_back(data.rig.logged(j).value(t));
       rate.push_back(data.rig.logged(j).rate(t));
       sign.push_back(rate.back() > 0 ? 1 : rate.back() < 0 ? -1 : 0);
     }
     const std::string& name = data.rig.joint_names()[j];
-    all.push_back(named(name, std::move(angle)));
+    all.push_back(named(name, data.further.values[of_table + j]));
     all.push_back(named(name + "_rate", std::move(rate)));
     all.push_back(named("sign(" + name + "_rate)", std::move(sign), Covariate::Type::sign));
   }
@@ -336,12 +336,8 @@ void add_points_covariates(const PointsData& data, Facts& facts) {
     all.push_back(named("camera", {data.camera_of_row.begin(), data.camera_of_row.end()},
                         Covariate::Type::category));
   }
-  for (size_t c = 0; c < data.further.names.size(); ++c) {
-    const std::string& name = data.further.names[c];
-    const auto& joints = data.rig.joint_names();
-    if (std::find(joints.begin(), joints.end(), name) == joints.end())
-      all.push_back(named(name, data.further.values[c]));
-  }
+  for (size_t c = 0; c < of_table; ++c)
+    all.push_back(named(data.further.names[c], data.further.values[c]));
 }
 
 }  // namespace seam::measurement
