@@ -17,6 +17,7 @@ STRANGE = {"boards": ("glass", "twisted board", "glass", "pixel phase"),
 KNOWN = ("focal_drift",)
 # Between two still views, with which a focal length drifts.
 VIEW_S = 15.0
+AT_C = 20.0  # At which a camera's focal length is its own.
 
 
 def turned(axis, angle):
@@ -29,6 +30,15 @@ def turned(axis, angle):
 
 
 # -- the camera -------------------------------------------------------------------------------------------------------
+
+def warmths(plan, draw, count):
+    """Degrees Celsius of views in a chamber that warms up and whose door is opened at random; nothing in other sorts."""
+    if plan.cause != "focal_temperature":
+        return None
+    span = draw.uniform(60, 90)
+    part = 0.4 * np.linspace(0, 1, count) + 0.6 * draw.uniform(size=count)
+    return np.round(draw.uniform(-20, 0) + span * part, 1)
+
 
 def bent(effects, x, y):
     """Image coordinates with the lens's distortion, of those without."""
@@ -102,9 +112,10 @@ def seen_in_motion(camera, effects, points, turns):
     return u, v
 
 
-def drifted(camera, effects, t):
-    """The camera at these times."""
+def drifted(camera, effects, t, warmth=AT_C):
+    """The camera at these times and temperatures."""
     factor = 1 + effects.get("focal_drift", {}).get("per_s", 0) * t
+    factor = factor * (1 + outside.of(effects, "focal_temperature", "per_k") * (warmth - AT_C))
     hunt = effects.get("hunting focus", {"share": 0, "hz": 1})
     factor = factor * (1 + hunt["share"] * np.sin(2 * math.pi * hunt["hz"] * t))
     return camera | {name: camera[name] * factor for name in ("fx_px", "fy_px")} | {"t": t}
@@ -181,6 +192,7 @@ def draw_effect(draw, name, camera, extent, px_m, video):
             # Between the first row and the last, 0.4 to 2.5 px about each axis.
             "view_motion": lambda: {"turn_sigma_rad": draw.uniform(0.4, 2.5) / camera["fx_px"]},
             "focus_variation": lambda: {"sigma": draw.uniform(0.01, 0.04)},
+            "focal_temperature": lambda: {"per_k": draw.signed(1.5e-4, 3.5e-4)},
             "pixel phase": lambda: {"px": draw.uniform(0.5, 1) * 0.2},
             # A zoom that creeps while a video is taken; in still views, a camera that warms up.
             "focal_drift": lambda: {"per_s": draw.signed(*((0.05, 0.15) if video else (6e-5, 1.5e-4)))}}.get(
@@ -263,8 +275,8 @@ class Scene:
                        ties={name: ties[name] for name in self.hidden if name in ties},
                        allowed=["point_scatter"] if self.plan.gross else [], noise_stated=self.stated)
 
-    def table(self, frames, times, points, pixels, inside):
-        """Rows with noise and gross errors."""
+    def table(self, frames, times, points, pixels, inside, warmth=None):
+        """Rows with noise and gross errors, and with the temperatures of the frames where there are some."""
         draw = self.draw.of("noise")
         u, v = (p + self.noise * draw.normal(size=len(p)) for p in pixels)
         wrong = draw.uniform(size=len(u)) < self.plan.gross
@@ -273,7 +285,10 @@ class Scene:
         u, v = u + far * np.cos(way), v + far * np.sin(way)
         keep = np.flatnonzero(inside)
         x, y, z = self.board[points].T
-        return rows(HEADER, FORMATS, *(column[keep].tolist() for column in (frames, times, points, x, y, z, u, v)))
+        more, header, formats = (), HEADER, FORMATS
+        if warmth is not None:
+            more, header, formats = (warmth[frames],), HEADER + ",temperature_c", (*FORMATS, ".1f")
+        return rows(header, formats, *(column[keep].tolist() for column in (frames, times, points, x, y, z, u, v, *more)))
 
 
 def within(camera, u, v, margin=2.0):
@@ -303,16 +318,18 @@ def draw_poses(scene, count):
 
 def boards(plan):
     scene = Scene(plan, ("radial_polynomial", "tangential_distortion", "board_warp", "board_scale", "target_scatter"))
-    poses = draw_poses(scene, scene.draw.of("views").choice((12, 16, 24)))
+    few = (24, 32) if plan.cause == "focal_temperature" else (12, 16, 24)
+    poses = draw_poses(scene, scene.draw.of("views").choice(few))
     rotations, places = (np.stack(part) for part in zip(*poses))
-    times = np.arange(len(poses)) * (VIEW_S if plan.cause == "focal_drift" else 1.0)
+    times = np.arange(len(poses)) * (VIEW_S if plan.cause in ("focal_drift", "focal_temperature") else 1.0)
+    warmth = warmths(plan, scene.draw.of("warmth"), len(poses))
 
     def pixels_of(effects):
         there = displaced(scene.board, effects, scene.draw)
         in_camera = there @ np.swapaxes(rotations, 1, 2) + places[:, None]
         turns = scene.draw.of("turns").normal(outside.of(effects, "view_motion", "turn_sigma_rad"), size=(len(poses), 3))
         focus = 1 + scene.draw.of("focus").normal(outside.of(effects, "focus_variation", "sigma"), size=(len(poses), 1))
-        camera = drifted(scene.camera, effects, times[:, None])
+        camera = drifted(scene.camera, effects, times[:, None], AT_C if warmth is None else warmth[:, None])
         camera |= {name: camera[name] * focus for name in ("fx_px", "fy_px")}
         return [p.ravel() for p in seen_in_motion(camera, effects, in_camera, turns)]
     scene.add_trace(pixels_of)
@@ -323,7 +340,7 @@ def boards(plan):
     there = as_in_air(scene.effects, there)
     radius = (np.hypot(there[..., 0], there[..., 1]) / there[..., 2]).ravel()
     inside = within(scene.camera, *pixels) & (radius < 1.1 * scene.camera["corner"])
-    return scene.made("{pose: unknown}", scene.table(frames, times[frames], points, pixels, inside))
+    return scene.made("{pose: unknown}", scene.table(frames, times[frames], points, pixels, inside, warmth))
 
 
 # -- a video ----------------------------------------------------------------------------------------------------------

@@ -18,7 +18,7 @@ ALONE = {"heads": heads.heads, "imus": lambda plan: (imu_camera if plan.cause in
 # Causes that people have, each alone in the sets of a sort.
 CAUSES = [f"{sort}+{cause}" for sort, causes in {
     "flats": ("dark_current_spread", "tap_gain", "periodic_pattern", "amplifier_glow"),
-    "boards": ("focal_drift", "flat_port", "view_motion", "focus_variation"), "videos": ("focal_drift",),
+    "boards": ("focal_drift", "focal_temperature", "flat_port", "view_motion", "focus_variation"), "videos": ("focal_drift",),
     "landmarks": ("mount_offset", "wall_excess", "landmark_delay", "landmark_height"),
     "motors": ("load_friction", "friction_asymmetry", "motor_heating", "elastic_joint", "torque_cogging"),
     "servos": ("gear_ripple", "elastic_joint"),

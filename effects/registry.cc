@@ -67,6 +67,7 @@
   X(thin_prism)               \
   X(focal_length_error)       \
   X(focal_drift)              \
+  X(focal_temperature)        \
   X(principal_point_offset)   \
   X(chromatic_aberration)     \
   X(focus_variation)          \

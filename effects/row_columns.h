@@ -13,7 +13,7 @@ struct FurtherColumns {
 };
 
 // Their values in one row. Sets that lack a column are refused before; without a set (the
-// simulator) each is 0.
+// simulator) each is 0, or what the reader says.
 struct RowColumns {
   const std::vector<std::string>* names = nullptr;
   const std::vector<std::vector<double>>* values = nullptr;
@@ -26,10 +26,11 @@ struct RowColumns {
   RowColumns(const FurtherColumns& further, size_t at)
       : RowColumns(further.names, further.values, at) {}
 
-  double value(const std::string& name) const {
-    if (names == nullptr) return 0;
+  double value(const std::string& name, double without = 0) const {
+    if (names == nullptr) return without;
     const auto found = std::find(names->begin(), names->end(), name);
-    return found == names->end() ? 0 : (*values)[static_cast<size_t>(found - names->begin())][row];
+    return found == names->end() ? without
+                                 : (*values)[static_cast<size_t>(found - names->begin())][row];
   }
 };
 

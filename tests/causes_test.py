@@ -48,11 +48,17 @@ def with_column(folder, table, name, value_of_row):
         writer.writerows(rows)
 
 
-def with_exposures(folder):
-    """The room of the tutorial, in which every second frame is exposed ten times as long."""
+def room(folder):
+    """The room of the tutorial."""
     folder.mkdir()
     for file in (source / "docs/tutorial/room").iterdir():
         (folder / file.name).write_bytes(file.read_bytes())
+    return folder
+
+
+def with_exposures(folder):
+    """The room, in which every second frame is exposed ten times as long."""
+    room(folder)
     with_column(folder, "points.csv", "exposure_s", lambda row: 0.02 if int(row["frame"]) % 2 else 0.002)
     return folder
 
@@ -75,6 +81,42 @@ def test_stamps_of_exposures(scratch):
     refused = subprocess.run([seam, "add", "exposure_stamp", "--model", nominal, "--data", scratch / "plain", "--out",
                               scratch / "no.yaml"], capture_output=True, text=True)
     assert refused.returncode == 1 and "exposure_s" in refused.stderr, refused
+
+
+def test_lens_that_warms(scratch):
+    """A room seen by a camera that warms up and cools down; a column with one value constrains nothing."""
+    nominal = source / "docs/tutorial/nominal.yaml"
+    truth = write_model(scratch / "warm.yaml", "  pinhole: {fx_px: 161.9, fy_px: 162.5, cx_px: 88.5, cy_px: 71.5}\n"
+                                               "  focal_temperature: {per_k: 3e-4}\n")
+
+    def measured(name, warmth):
+        protocol = room(scratch / f"{name} protocol")
+        with_column(protocol, "points.csv", "temperature_c", warmth)
+        ask("measure", "--model", truth, "--protocol", protocol, "--seed", "4", "--out", scratch / name)
+        return scratch / name
+    warm = measured("warm", lambda row: 10 + 8 * (5 * int(row["frame"]) % 9))
+    ask("discover", "--model", nominal, "--data", warm, "--out", scratch / "found.yaml", "--json", scratch / "found.json")
+    found = {step["effect"]: step for step in json.loads((scratch / "found.json").read_text())["steps"]}
+    assert list(found) == ["focal_temperature"], found
+    value = found["focal_temperature"]["parameters"]["per_k"]
+    assert abs(value["value"] - 3e-4) < 4 * value["sigma"] < 1e-4, value
+    even = measured("even", lambda row: 31.5)
+    said = ask("check", even, "--model", nominal)
+    assert "the column temperature_c is 31.5 in every row" in said, said
+    ask("measure", "--model", nominal, "--protocol", source / "docs/tutorial/room", "--seed", "4", "--out", scratch / "no column")
+    for names in (("compare", "--model", truth),
+                  ("add", "focal_temperature", "--model", nominal, "--out", scratch / "no.yaml")):
+        refused = subprocess.run([seam, *map(str, names), "--data", scratch / "no column"], capture_output=True, text=True)
+        assert refused.returncode == 1 and "temperature_c" in refused.stderr, refused
+    with_column(room(scratch / "kelvin"), "points.csv", "temperature_c", lambda row: 295)
+    refused = subprocess.run([seam, "measure", "--model", truth, "--protocol", scratch / "kelvin", "--out", scratch / "no"],
+                             capture_output=True, text=True)
+    assert refused.returncode == 1 and "degrees Celsius" in refused.stderr, refused
+    # No camera file holds it.
+    for more, code in ((), 1), (("--drop", "focal_temperature"), 0):
+        done = subprocess.run([seam, "export", truth, "--to", "opencv", "--out", scratch / "camera.yaml", "--size", "178x144",
+                               *more], capture_output=True, text=True)
+        assert done.returncode == code and "focal_temperature" in done.stdout + done.stderr, done
 
 
 def write_model(path, effects):
@@ -111,6 +153,6 @@ def test_motors(scratch):
         assert abs(found[effect]["parameters"][parameter]["value"] / value - 1) < 0.1, found
 
 
-for test in (test_motors, test_stamps_of_exposures, test_studies):
+for test in (test_motors, test_stamps_of_exposures, test_lens_that_warms, test_studies):
     with tempfile.TemporaryDirectory() as folder:
         test(pathlib.Path(folder))

@@ -54,6 +54,7 @@ bool is_plain_lens(const Projection& projection) {
 // without it.
 bool is_of_camera(const effects::EffectDefinition& effect) {
   if (effect.base != effects::Base::none) return true;
+  if (effect.geometry && !effect.columns.empty()) return true;  // Of no image, and yet the lens.
   return !effects::of_points_alone(effect) &&
          (effect.geometry || effect.image_map || effect.timing || effect.optics || effect.gain ||
           effect.sensor);
@@ -121,6 +122,7 @@ void Exporter::find_size() {
 bool Exporter::holds(const ModelEffect& effect) const {
   const effects::EffectDefinition& definition = *effect.definition;
   if (definition.base == effects::Base::projection || definition.parameters.empty()) return true;
+  if (!definition.columns.empty()) return false;
   if (definition.geometry || definition.image_map)
     return is_plain_lens(projection_of(alone(model_, definition.name)));
   if (definition.timing) {
@@ -164,6 +166,8 @@ std::string Exporter::cost_of(const ModelEffect& effect) const {
     return fmt::format("up to {:.3g} px while the camera turns by 1 rad/s",
                        late_s * camera_.lens.fx_px);
   }
+  if (!definition.columns.empty())
+    return fmt::format("the camera no longer changes with {}", fmt::join(definition.columns, ", "));
   if (!definition.geometry && !definition.image_map)
     return "no image point moves: brightness and noise are not exported";
   Model without = model_;

@@ -125,9 +125,11 @@ Quantities joint_outcome(const Model& model, const Quantities& given) {
 Quantities image_outcome(const Model& model, const Quantities& given) {
   const Vec3 p_C(value_of(given, "x_m"), value_of(given, "y_m"), value_of(given, "z_m"));
   const Vec3 p_L = mount_of(model) * p_C;
+  const FurtherColumns further{{"temperature_c"}, {{value_of(given, "temperature_c", kFocalAt_c)}}};
   const ImagePoint point =
       Projection(model, kWidth_px, kHeight_px, Reaches::detector)
-          .project(p_C, value_of(given, "t_s"), 0, static_cast<int>(value_of(given, "channel", 1)));
+          .project(p_C, value_of(given, "t_s"), 0, static_cast<int>(value_of(given, "channel", 1)),
+                   {further, 0});
   const Few scatter = noise_of(model).point_scatter;
   return {{"link_x_m", p_L.x},
           {"link_y_m", p_L.y},

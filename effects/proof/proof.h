@@ -14,8 +14,9 @@
 //                true_pan_rad -> logged_pan_rad; likewise tilt, roll
 //                lag_s [0] -> joint_covariance_rad2 of the log's error; command_sigma_s
 //   mount        x_m, y_m, z_m in the camera -> link_x_m, link_y_m, link_z_m
-//   geometry,    x_m, y_m, z_m in the camera, channel [1: green], t_s [0] -> u_px, v_px,
-//   corner_      scatter_variance_px2; with fx_px 160, fy_px 162, cx_px 88.5, cy_px 71.5
+//   geometry,    x_m, y_m, z_m in the camera, channel [1: green], t_s [0], temperature_c [20]
+//   corner_      -> u_px, v_px, scatter_variance_px2; with fx_px 160, fy_px 162, cx_px 88.5,
+//   detector     cy_px 71.5
 //   radiometry,  u_px, v_px in 178 x 144 -> gain; start_s, exposure_s -> lamp;
 //   light        light, mean_light -> seen_light; edge_px from an edge -> edge_light
 //                lamp_sigma

@@ -40,13 +40,15 @@ std::string Projection::key() const {
   return key;
 }
 
-ImagePoint Projection::before_formulas(const Vec3& p_C, double t_s, double row, int channel) const {
+ImagePoint Projection::before_formulas(const Vec3& p_C, double t_s, double row, int channel,
+                                       const RowColumns& columns) const {
   ImagePoint point{.p_C = p_C,
                    .t_s = t_s,
                    .row = row,
                    .channel = channel,
                    .width_px = width_px_,
-                   .height_px = height_px_};
+                   .height_px = height_px_,
+                   .columns = columns};
   // Behind the camera only a fisheye sees; it sets `visible` and x, y itself.
   point.visible = p_C.z > 0;
   point.x = point.xd = p_C.x / p_C.z;
@@ -61,8 +63,7 @@ ImagePoint Projection::before_formulas(const Vec3& p_C, double t_s, double row, 
 
 ImagePoint Projection::project(const Vec3& p_C, double t_s, double row, int channel,
                                const RowColumns& columns) const {
-  ImagePoint point = before_formulas(p_C, t_s, row, channel);
-  point.columns = columns;
+  ImagePoint point = before_formulas(p_C, t_s, row, channel, columns);
   for (const ModelEffect& effect : effects_) {
     if (effect.definition->image_map) effect.definition->image_map(effect.values(), point);
   }
@@ -78,9 +79,9 @@ ImagePoint Projection::project(const Vec3& p_C, double t_s, double row, int chan
 }
 
 void Projection::check_at(double u, double v, double t_s, int channel) const {
-  const ImagePoint axis = before_formulas({0, 0, 1}, t_s, v, channel);
+  const ImagePoint axis = before_formulas({0, 0, 1}, t_s, v, channel, {});
   ImagePoint point =
-      before_formulas({(u - axis.cx) / axis.fx, (v - axis.cy) / axis.fy, 1}, t_s, v, channel);
+      before_formulas({(u - axis.cx) / axis.fx, (v - axis.cy) / axis.fy, 1}, t_s, v, channel, {});
   for (const ModelEffect& effect : effects_) {
     if (!effect.definition->image_map) continue;
     effect.definition->image_map(effect.values(), point);

@@ -65,6 +65,8 @@ double fold_before(double beyond, const Grows& grows) {
 // where a detector of corners reports a point (measured points).
 enum class Reaches { light, detector };
 
+inline constexpr double kFocalAt_c = 20;  // Where a focal length has no other temperature.
+
 inline constexpr int kGreen = 1;  // The channel of what has no colour.
 
 // The geometry of one model, ready to project many points.
@@ -92,7 +94,8 @@ class Projection {
   int height_px() const { return height_px_; }
 
  private:
-  ImagePoint before_formulas(const Vec3& p_C, double t_s, double row, int channel) const;
+  ImagePoint before_formulas(const Vec3& p_C, double t_s, double row, int channel,
+                             const RowColumns& columns) const;
 
   std::vector<ModelEffect> effects_;  // Those that act on the way, in order.
   int width_px_;

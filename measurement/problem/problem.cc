@@ -246,6 +246,16 @@ bool Problem::acts(const EffectDefinition& effect) const {
 
 std::string Problem::not_testable(const Model&, const EffectDefinition& effect,
                                   size_t parameter) const {
+  // A user's formula may mean a number that stays.
+  const std::vector<std::string> reads =
+      effect.source.empty() ? effect.columns : std::vector<std::string>();
+  for (const Covariate& covariate : facts_.covariates) {
+    if (std::find(reads.begin(), reads.end(), covariate.name) == reads.end()) continue;
+    const auto [least, most] =
+        std::minmax_element(covariate.values.begin(), covariate.values.end());
+    if (least != covariate.values.end() && *least == *most)
+      return fmt::format("the column {} is {:g} in every row", covariate.name, *least);
+  }
   return effects::reason_against(effect, parameter, facts_.set);
 }
 

@@ -11,6 +11,7 @@
 #include "measurement/kinds/joints/joints.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/robust.h"
+#include "measurement/sets/temperatures.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -18,7 +19,6 @@ namespace {
 
 // Angles beyond this are a wrong unit or a broken log.
 constexpr double kLargestAngle_rad = 1e4;
-constexpr const char* kTemperature = "temperature_c";
 
 void check_angles(const CsvTable& table, const std::vector<double>& values, const char* column) {
   for (size_t row = 0; row < values.size(); ++row) {
@@ -56,14 +56,9 @@ std::vector<double> read_voltage(const CsvTable& table) {
 
 // By how much the motor is warmer in each row than in the median one.
 std::vector<double> read_warmth(const CsvTable& table) {
-  constexpr double kColdest_c = -100, kHottest_c = 300;  // No servo's.
   if (!table.has(kTemperature)) return std::vector<double>(table.rows(), 0);
   auto warmth = table.numbers(kTemperature);
-  for (size_t row = 0; row < warmth.size(); ++row) {
-    if (!(warmth[row] > kColdest_c && warmth[row] < kHottest_c))
-      table.fail(row, kTemperature, table.cell(row, kTemperature),
-                 "a temperature in degrees Celsius");
-  }
+  check_temperatures(table, warmth);
   const double median = warmth.empty() ? 0 : median_of(warmth);
   for (double& value : warmth) value -= median;
   return warmth;

@@ -12,6 +12,7 @@
 #include "measurement/sets/further_columns.h"
 #include "measurement/sets/noise_bounds.h"
 #include "measurement/sets/pose_of_view.h"
+#include "measurement/sets/temperatures.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -265,6 +266,9 @@ PointsData read_points(const MeasurementSet& set, Rig rig, bool measured, Facts&
   facts.series_of_row = data.view_of_row;
   facts.tests_neighbours = false;
   data.further = further_columns(table, kColumns);
+  for (size_t c = 0; c < data.further.names.size(); ++c) {
+    if (data.further.names[c] == kTemperature) check_temperatures(table, data.further.values[c]);
+  }
   for (size_t j = 0; j < data.rig.joint_names().size(); ++j) {
     data.further.names.push_back(data.rig.joint_names()[j]);
     std::vector<double>& angle = data.further.values.emplace_back();
