@@ -99,6 +99,8 @@ ROOMS = {
         "kinds/points": ["kinds", "kinds/points/data", "kinds/points/motion", "kinds/points/target", "sets", "imaging", "problem", "numerics", "fitting", "noise"],
         "kinds/joints/torque": ["sets", "problem"],
         "kinds/joints": ["kinds", "kinds/joints/torque", "sets", "imaging", "problem", "numerics", "fitting", "noise"],
+        "kinds/imu/spectra": ["problem", "numerics"],
+        "kinds/imu": ["kinds", "kinds/imu/spectra", "sets", "problem", "numerics", "fitting"],
         "kinds/*": ["kinds", "sets", "imaging", "problem", "numerics", "fitting", "noise"],
         "check": ["numerics", "imaging", "kinds", "sets", "problem", "fitting", "judge", "search", "search/models"],
         "infer": ["numerics", "problem", "fitting"],

@@ -120,6 +120,7 @@ std::string told_structure(const Facts& facts, const Structure& structure) {
   const std::string subject = structure.moment + " of " + structure.residual;
   if (structure.covariate == kConstant) return subject + " is not 0";
   if (structure.covariate == kNeighbour) return structure.residual + " is correlated in time";
+  if (structure.covariate == kEachRun) return subject + " differs from run to run";
   if (structure.covariate.starts_with(kPixelNeighbour)) {
     const bool stays = structure.covariate == kPixelNeighbour;
     return fmt::format("{} of {} is alike in neighbouring pixels", stays ? "mean" : "noise",
@@ -154,8 +155,9 @@ std::string what_to_vary(const Facts& facts, const std::string& covariate) {
   const std::string sign = "sign(";
   std::vector<std::string> names;
   for (std::string name : factors_of(covariate)) {
-    if (name == kConstant || name == kNeighbour || name == kPixelNeighbour || is_label(facts, name))
-      return "";
+    const bool is_none =
+        name == kConstant || name == kNeighbour || name == kPixelNeighbour || name == kEachRun;
+    if (is_none || is_label(facts, name)) return "";
     if (name.starts_with(sign)) name = name.substr(sign.size(), name.size() - sign.size() - 1);
     names.push_back(name);
   }

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "effects/stages/inertial/vibration.h"
-#include "measurement/kinds/imu/allan.h"
 #include "measurement/kinds/imu/imu_camera.h"
+#include "measurement/kinds/imu/spectra/allan.h"
 #include "measurement/kinds/imu/stamps.h"
 #include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
@@ -98,7 +98,7 @@ void ImuProblem::add_means(size_t stretch, size_t part, const std::string& group
     }
     if (axis >= 3) variance += mean.variance / 3;
   }
-  if (!data_.knows_forces && attitudes_)
+  if (!data_.knows_forces && data_.has[3] && (attitudes_ || groups_of(data_).size() > 1))
     add_row({.what = Row::What::gravity,
              .stretch = stretch,
              .axis = 3,
@@ -219,6 +219,7 @@ double ImuProblem::force_size(const Row& row, const effects::Inertial& inertial)
   Vec3 read(0.0);
   for (int axis = 0; axis < 3; ++axis)
     read[axis] = noise_[static_cast<size_t>(axis) + 3].means[row.stretch][row.part].value;
+  if (!attitudes_) return size_of(read);  // Of which compare_forces takes the mean.
   effects::InertialSample truth{.force_mps2 = read};
   for (int step = 0; step < kMostSteps; ++step) {
     const Vec3 there = effects::measured_by(inertial, truth, warmth).force_mps2;
@@ -282,6 +283,7 @@ Evaluation ImuProblem::evaluate(const Model& model, const Groups& groups, const 
     evaluation.residual[i] = rows_[i].observed - predicted(rows_[i], inertial);
     evaluation.valid = evaluation.valid && std::isfinite(evaluation.residual[i]);
   }
+  if (!attitudes_) compare_forces(groups, evaluation);
   whiten_diagonal(*this, groups, evaluation);
   return evaluation;
 }

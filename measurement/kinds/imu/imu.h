@@ -6,8 +6,11 @@
 // effects of noise move the mean of powers, and all effects are fitted and compared alike.
 #pragma once
 
+#include <map>
+
 #include "effects/stages/inertial/inertial.h"
 #include "measurement/kinds/imu/noise_lines.h"
+#include "measurement/kinds/imu/run_means.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/problem/curves.h"
 
@@ -38,6 +41,8 @@ class ImuProblem : public Problem, public HasCurves {
                                              const EffectDefinition& effect,
                                              const EffectList& companions) const override;
   double looks(const Model& model, const EffectDefinition& effect) const override;
+  std::vector<Structure> structure(const Model& model, const Groups& groups,
+                                   int fitted) const override;
   bool is_smooth(const Model&) const override { return true; }
   std::vector<char> find_outliers(const Model&) const override {
     return std::vector<char>(facts_.scalars(), 0);
@@ -62,6 +67,17 @@ class ImuProblem : public Problem, public HasCurves {
   void add_power(const NoiseBand& band, size_t axis, const std::string& group);
   void add_row(Row row, const std::string& channel, const std::string& group);
   void add_covariates();
+  bool many_runs() const { return facts_.groups.size() >= kFewGroups; }
+  // run_means.cc
+  struct ChannelOfRuns {
+    size_t axis = 0;
+    double rows = 0, squares = 0;
+    std::map<std::string, RunMean> runs;
+  };
+  bool compares_runs(const Row& row) const;
+  std::map<int, ChannelOfRuns> means_of_runs(const Evaluation& here) const;
+  std::vector<Structure> runs_that_differ(const Model& model, const Evaluation& here) const;
+  void compare_forces(const Groups& groups, Evaluation& evaluation) const;
   bool sees_attitudes() const;
   bool turns() const;
   bool warmth_changes() const;

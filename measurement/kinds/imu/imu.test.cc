@@ -4,9 +4,9 @@
 
 #include "effects/kind.h"
 #include "effects/stages/inertial/inertial.h"
-#include "measurement/kinds/imu/allan.h"
-#include "measurement/kinds/imu/cosine_transform.h"
 #include "measurement/kinds/imu/noise_lines.h"
+#include "measurement/kinds/imu/spectra/allan.h"
+#include "measurement/kinds/imu/spectra/cosine_transform.h"
 #include "sim_core/base/maths.h"
 #include "sim_core/base/random.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "measurement/kinds/imu/cosine_transform.h"
+#include "measurement/kinds/imu/spectra/cosine_transform.h"
 #include "measurement/numerics/moments.h"
 #include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"

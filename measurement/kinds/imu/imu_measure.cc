@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "effects/stages/inertial/vibration.h"
-#include "measurement/kinds/imu/cosine_transform.h"
 #include "measurement/kinds/imu/imu.h"
+#include "measurement/kinds/imu/spectra/cosine_transform.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/random.h"
 

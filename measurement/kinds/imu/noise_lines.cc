@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "measurement/kinds/imu/cosine_transform.h"
+#include "measurement/kinds/imu/spectra/cosine_transform.h"
 #include "measurement/numerics/moments.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {
 namespace {
 
-constexpr size_t kLeastLines = 4;  // Of a band: the cube root of their power is nearly normal.
 constexpr double kLeastWarming_k = 0.2;
 constexpr size_t kMostCells = 600, kMostModes = 64;
 

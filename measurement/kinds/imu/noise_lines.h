@@ -7,9 +7,12 @@
 #include <vector>
 
 #include "measurement/kinds/imu/imu_data.h"
-#include "measurement/kinds/imu/spectral_peaks.h"
+#include "measurement/kinds/imu/spectra/spectral_peaks.h"
 
 namespace seam::measurement {
+
+// Of a band at least: the cube root of their power is nearly normal.
+inline constexpr size_t kLeastLines = 4;
 
 // The four powers of frequency of IEEE 952: rounding, white, flicker, walk, a size for each; and
 // Lorentzians where peaks are, by several widths each.

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "measurement/kinds/imu/noise_lines.h"
-#include "measurement/kinds/imu/spectral_peaks.h"
+#include "measurement/kinds/imu/spectra/spectral_peaks.h"
 #include "sim_core/base/maths.h"
 #include "sim_core/base/random.h"
 

@@ -1,4 +1,4 @@
-#include "measurement/kinds/imu/cosine_transform.h"
+#include "measurement/kinds/imu/spectra/cosine_transform.h"
 
 #include <cmath>
 #include <complex>

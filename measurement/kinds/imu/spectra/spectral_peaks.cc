@@ -1,4 +1,4 @@
-#include "measurement/kinds/imu/spectral_peaks.h"
+#include "measurement/kinds/imu/spectra/spectral_peaks.h"
 
 #include <algorithm>
 #include <cmath>

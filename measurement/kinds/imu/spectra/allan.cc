@@ -1,4 +1,4 @@
-#include "measurement/kinds/imu/allan.h"
+#include "measurement/kinds/imu/spectra/allan.h"
 
 #include <cmath>
 #include <limits>
