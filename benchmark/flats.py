@@ -45,6 +45,7 @@ def draw_effect(draw, name, seen):
                                        "fall_v_per_px": draw.log_uniform(0.03, 0.1), "shape": draw.choice((1, 2))},
             "dust ring": lambda: {"depth": draw.uniform(2, 5) * seen / middle, "u_px": draw.uniform(15, 48),
                                   "v_px": draw.uniform(12, 36), "radius_px": draw.uniform(6, 12)},
+            "noise_filter": lambda: draw_filter(draw),
             "image lag": lambda: {"share": draw.uniform(0.005, 0.02)}}.get(
                 name, lambda: outside.draw_of_sensor(draw, name, seen / middle))()
 
@@ -86,6 +87,20 @@ def glow_of(light, u0, v0, fall_u_per_px, fall_v_per_px, shape):
     return light * np.exp(-away ** shape)
 
 
+def draw_filter(draw):
+    """Half of them alike in both directions; others along rows alone, or sharpening."""
+    weight = draw.uniform(0.02, 0.16)
+    return draw.choice(({"along_rows": weight, "along_columns": weight}, {"along_rows": weight, "along_columns": weight},
+                        {"along_rows": weight, "along_columns": 0.0}, {"along_rows": -0.6 * weight, "along_columns": -0.6 * weight}))
+
+
+def smoothed(dn, along_rows, along_columns):
+    """Three by three pixels mixed into each; beyond the edges the last pixel once more."""
+    once = np.pad(dn, 1, mode="edge")
+    across, along = ((w, 1 - 2 * w, w) for w in (along_columns, along_rows))
+    return sum(across[i] * along[j] * once[i:i + HEIGHT, j:j + WIDTH] for i in range(3) for j in range(3))
+
+
 class Sensor:
     """What stays the same over all frames."""
 
@@ -125,7 +140,8 @@ class Sensor:
         signal, self.before = signal + lag * (self.before - signal), signal
         dn = signal + self.camera["black_dn"] + self.fixed + exposure_s * self.dark
         dn = dn + effects.get("row_noise", {}).get("sigma_dn", 0) * draw.normal(size=(HEIGHT, 1))
-        return dn + draw.normal(self.camera["read_dn"], size=shape)
+        dn = dn + draw.normal(self.camera["read_dn"], size=shape)
+        return smoothed(dn, **effects["noise_filter"]) if "noise_filter" in effects else dn
 
 
 def frames_of(plan, draw):

@@ -17,7 +17,7 @@ SORTS = {"boards": boards, "videos": videos, "servos": servos, "motors": motors,
 ALONE = {"heads": heads.heads, "imus": lambda plan: (imu_camera if plan.cause in imu_camera.EFFECTS else imu).imus(plan)}
 # Causes that people have, each alone in the sets of a sort.
 CAUSES = [f"{sort}+{cause}" for sort, causes in {
-    "flats": ("dark_current_spread", "tap_gain", "periodic_pattern", "amplifier_glow"),
+    "flats": ("dark_current_spread", "tap_gain", "periodic_pattern", "amplifier_glow", "noise_filter"),
     "boards": ("focal_drift", "focal_temperature", "flat_port", "view_motion", "focus_variation"), "videos": ("focal_drift",),
     "landmarks": ("mount_offset", "wall_excess", "landmark_delay", "landmark_height"),
     "motors": ("load_friction", "friction_asymmetry", "motor_heating", "elastic_joint", "torque_cogging"),

@@ -131,6 +131,8 @@ struct SensorExcess {
   double pattern_of_gain = 0;  // and its slope against the square of the signal.
   double column_dn2 = 0;       // Between columns.
   double row_dn2 = 0;          // Between rows, new in each frame.
+  // Correlation of neighbours' noise in a row, in a column.
+  double likeness_in_row = 0, likeness_in_column = 0;
 };
 
 // Which measurement separates the effect from others in sets of these kinds.

@@ -194,14 +194,14 @@ TEST(PlausibleSizes, AreKnownOfCausesThatPeopleHave) {
         "phase|level|direction|angle|period_px|per_turn|^[uv]0$|^at_m$|^light$"))(parameter.name);
   };
   for (const char* name :
-       {"view_motion",         "focus_variation",  "focal_drift",    "flat_port",
-        "mount_sag",           "backlash",         "tracker_offset", "tracker_turn",
-        "turn_asymmetry",      "encoder_skew",     "wheel_growth",   "wheel_load",
-        "landmark_delay",      "landmark_height",  "wall_excess",    "mount_offset",
-        "elastic_joint",       "gear_ripple",      "command_jitter", "friction_asymmetry",
-        "load_friction",       "torque_cogging",   "motor_heating",  "effort_scale",
-        "exposure_stamp",      "amplifier_glow",   "tap_gain",       "periodic_pattern",
-        "dark_current_spread", "focal_temperature"}) {
+       {"view_motion",         "focus_variation",   "focal_drift",    "flat_port",
+        "mount_sag",           "backlash",          "tracker_offset", "tracker_turn",
+        "turn_asymmetry",      "encoder_skew",      "wheel_growth",   "wheel_load",
+        "landmark_delay",      "landmark_height",   "wall_excess",    "mount_offset",
+        "elastic_joint",       "gear_ripple",       "command_jitter", "friction_asymmetry",
+        "load_friction",       "torque_cogging",    "motor_heating",  "effort_scale",
+        "exposure_stamp",      "amplifier_glow",    "tap_gain",       "periodic_pattern",
+        "dark_current_spread", "focal_temperature", "noise_filter"}) {
     const auto effect = find_effect(name);
     ASSERT_NE(effect, nullptr) << name;
     EXPECT_FALSE(effect->advice.empty()) << name;

@@ -96,6 +96,7 @@
   X(hot_pixels)               \
   X(read_noise)               \
   X(saturation)               \
+  X(noise_filter)             \
   X(quantisation)             \
   X(ideal_detector)           \
   X(landmark_height)          \

@@ -57,7 +57,7 @@ class Generators(unittest.TestCase):
     # Causes that are hidden in no other sort.
     ALONE = ("heads+mount_sag", "heads+backlash", "heads+exposure", "heads+exposure_stamp", "wheels+encoder_skew", "wheels+wheel_growth",
              "wheels+wheel_load", "walks+tracker_turn", "landmarks+landmark_delay", "landmarks+landmark_height",
-             "boards+view_motion", "boards+focus_variation", "boards+focal_temperature", "flats+amplifier_glow")
+             "boards+view_motion", "boards+focus_variation", "boards+focal_temperature", "flats+amplifier_glow", "flats+noise_filter")
 
     def test_draws_are_those_of_their_key(self):
         self.assertAlmostEqual(Draw("boards", 12).uniform(), FIRST_UNIFORM, places=15)

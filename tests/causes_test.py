@@ -15,6 +15,7 @@ HIDDEN = {
     "landmark_height": ("landmarks", "{landmark_height: {z_m: 0.5}}"),
     "wall_excess": ("landmarks", "{wall_excess: {size_m: 0.1, direction_rad: 1.5708, at_m: 0.5, reach_m: 0.4}}"),
     "dark_current_spread": ("photometry", "{dark_current_spread: {sigma_dn_per_s: 60}}"),
+    "noise_filter": ("photometry", "{noise_filter: {along_rows: 0.08, along_columns: 0.05}}"),
     "tap_gain": ("photometry", "{tap_gain: {odd_rows: 0.01}}"),
     "mount_sag": ("points", "{mount_sag: {tilt_rad: 0.03}}"),
     "focal_drift": ("points", "{focal_drift: {per_s: 0.004}}"),

@@ -5,6 +5,7 @@
 
 #include "effects/catalogue_help.h"
 #include "effects/proof/inertial_outcome.h"
+#include "effects/proof/sensor_outcome.h"
 #include "effects/questions.h"
 #include "effects/registry.h"
 #include "effects/stages/detector.h"
@@ -159,30 +160,6 @@ Quantities light_outcome(const Model& model, const Quantities& given) {
        OwnLight(model, kWidth_px, kHeight_px).at(value_of(given, "u_px"), value_of(given, "v_px"))},
       {"lamp_sigma", sensor_of(model).lamp_sigma},
       {"edge_light", 0.5 * std::erfc(-sigmas / std::sqrt(2.0))}};
-}
-
-Quantities sensor_outcome(const Model& model, const Quantities& given) {
-  const SensorChain chain = sensor_of(model);
-  const SensorExposure exposure{.exposure_s = value_of(given, "exposure_s", 0.01),
-                                .exposure_ratio = value_of(given, "exposure_ratio", 1)};
-  const double signal = signal_dn(chain, value_of(given, "light", 0.5), exposure);
-  const Moments seen =
-      response_moments(chain, signal, static_cast<int>(value_of(given, "channel", 1)), exposure);
-  const auto square = [](double x) { return x * x; };
-  const double lost = (1 - chain.weak_gain) * signal;
-  return {
-      {"mean_dn", seen.mean_dn},
-      {"variance_dn2", seen.variance_dn2 + square(chain.read_sigma_dn)},
-      {"row_variance_dn2", square(chain.row_sigma_dn)},
-      {"wave_dn", chain.wave.amplitude_dn *
-                      chain.wave.unit_at(value_of(given, "u_px"), value_of(given, "v_px"))},
-      {"pattern_mean_dn", chain.hot_fraction * chain.hot_level_dn - chain.weak_fraction * lost},
-      {"pattern_variance_dn2",
-       square(chain.pixel_gain_sigma * signal) + square(chain.pixel_offset_sigma_dn) +
-           square(chain.column_sigma_dn) + square(chain.dark_sigma_dn_per_s * exposure.dark_s()) +
-           chain.hot_fraction * (1 - chain.hot_fraction) * square(chain.hot_level_dn) +
-           chain.weak_fraction * (1 - chain.weak_fraction) * square(lost)},
-      {"file_dn", static_cast<double>(to_file(chain, value_of(given, "value_dn"), 8))}};
 }
 
 Quantities detector_outcome(const Model& model, const Quantities& given) {

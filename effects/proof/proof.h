@@ -22,7 +22,9 @@
 //                lamp_sigma
 //   sensor       light [0.5], exposure_s [0.01], exposure_ratio [1], channel [1: green], u_px, v_px
 //                -> mean_dn, variance_dn2 (in time), row_variance_dn2, pattern_mean_dn,
-//                pattern_variance_dn2, wave_dn; value_dn -> file_dn; with gain_dn 200, black_dn 8
+//                pattern_variance_dn2, wave_dn; noise_kept (the share that a filter leaves of its
+//                variance), next_in_row, next_in_column (its correlation in neighbours); value_dn
+//                -> file_dn; with gain_dn 200, black_dn 8
 //   detector     range_m, bearing_rad, above_m [0]; x_m, y_m [0] of the detector
 //                -> range_m, bearing_rad, range_sigma_m, bearing_sigma_rad;
 //                lag_s [0] -> range_covariance_m2, bearing_covariance_rad2 of one landmark's

@@ -7,6 +7,7 @@
 //   value     = white_balance * cubic(gamma(electrons * gain column / electrons_per_dn))
 //   value    += black + wave + pixel, column, row and hot offsets + read noise
 //               + dark offsets of pixels * exposure_s
+//   value     = mixed with its neighbours(min(value, full_dn)) where there is such a filter
 //   value     = to the file's whole numbers(to multiples of the quantisation(min(value, full_dn)))
 //
 // Without shot noise there is 1 electron a DN and no photon variance. `illumination` includes
@@ -30,6 +31,7 @@
 #include <vector>
 
 #include "effects/model.h"
+#include "effects/stages/sensor/mixing.h"
 #include "sim_core/base/image.h"
 #include "sim_core/base/random.h"
 
@@ -75,7 +77,8 @@ struct SensorChain {
   double lamp_sigma = 0;  // Of the light of a frame, relative; new for each frame.
   PatternWave wave;
   double full_dn = std::numeric_limits<double>::infinity();
-  int bits = 0;  // 0: as many as the file has.
+  Mixing mixing;  // A filter over neighbours.
+  int bits = 0;   // 0: as many as the file has.
   // Expression effects: maps of the mean, DN with black and before fixed offsets and row and read
   // noise, at a time of the set; applied in order.
   std::vector<SensorMap> maps;

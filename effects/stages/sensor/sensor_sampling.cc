@@ -61,6 +61,7 @@ class Exposing {
   // A whole frame.
   template <typename Light, typename Sample>
   void expose_all(const Light& light, std::span<Sample> out) {
+    if (chain_.mixing.acts()) return expose_mixed(light, out);
     Chunk chunk;
     for (; chunk.first < out.size(); chunk.first += kChunk) {
       chunk.count = std::min(kChunk, out.size() - chunk.first);
@@ -70,6 +71,27 @@ class Exposing {
   }
 
  private:
+  // A whole frame whose samples are mixed before they are rounded.
+  template <typename Light, typename Sample>
+  void expose_mixed(const Light& light, std::span<Sample> out) {
+    std::vector<float> whole(out.size());
+    const auto full = static_cast<float>(std::min(chain_.full_dn, 1e30));
+    const auto sigma = static_cast<float>(chain_.read_sigma_dn);
+    Chunk chunk;
+    for (; chunk.first < out.size(); chunk.first += kChunk) {
+      chunk.count = std::min(kChunk, out.size() - chunk.first);
+      expose(chunk, light(chunk.first, chunk.count));
+      const float* const normal = sigma > 0 ? chunk.normals_of(kernels_, read_) : nullptr;
+      for (size_t i = 0; i < chunk.count; ++i) {
+        const float read = normal != nullptr ? sigma * normal[i] : 0;
+        whole[chunk.first + i] = std::min(chunk.value[i] + read, full);
+      }
+    }
+    mix(chain_.mixing, {pattern_.width_px, pattern_.height_px, pattern_.channels}, whole);
+    for (size_t i = 0; i < out.size(); ++i)
+      out[i] = static_cast<Sample>(to_file(chain_, whole[i], exposure_.file_bits));
+  }
+
   // Up to the noise of reading.
   void expose(Chunk& chunk, const float* illumination) {
     count_light(chunk, illumination);
@@ -208,12 +230,18 @@ Image expose(const SensorChain& chain, const FixedPattern& pattern,
   SEAM_CHECK(illumination.size() == pattern.gain.size(), "{}", illumination.size());
   image.samples.resize(illumination.size());
   if (!noise) {
+    std::vector<float> mean(illumination.size());
     for (size_t i = 0; i < illumination.size(); ++i) {
       const double signal = signal_dn(chain, illumination[i], exposure);
       const Moments value =
           response_moments(chain, signal, colour_of(i, pattern.channels), exposure);
       image.samples[i] = to_file(chain, value.mean_dn, exposure.file_bits);
+      mean[i] = static_cast<float>(std::min(value.mean_dn, chain.full_dn));
     }
+    if (!chain.mixing.acts()) return image;
+    mix(chain.mixing, {pattern.width_px, pattern.height_px, pattern.channels}, mean);
+    for (size_t i = 0; i < mean.size(); ++i)
+      image.samples[i] = to_file(chain, mean[i], exposure.file_bits);
     return image;
   }
   Exposing(chain, pattern, exposure, frame_noise)

@@ -27,20 +27,20 @@ constexpr double kLeastForTests = 2048;  // Samples, however many levels there a
 // not that of their electrons: a note says so where that moves the gain by more than its own error,
 // and where it moves it far, what the standard makes of that variance is left out.
 void doubt_shared_noise(const NoiseLikeness& noise, Facts& facts) {
-  constexpr double kSure = 1e-4;  // Of ten thousand sets one is doubted by chance.
   constexpr double kFar = 1.25;
   // A filter whose weights sum to one divides the variance by the sum of the correlations that it
   // makes between a pixel and all others: of that sum these are the part of the next ones.
   const double by = std::max((1 + 2 * noise.along_rows) * (1 + 2 * noise.along_columns), 0.1);
   const double off = std::max(by, 1 / by);
   const Figure& gain = facts.figures.figures.front();
-  if (!(noise.p_value < kSure) || off - 1 < gain.sigma / gain.value) return;
+  if (off - 1 < gain.sigma / gain.value) return;
   const std::string size =
       off > kFar ? fmt::format("{:.1f} times", off) : fmt::format("{:.0f} %", 100 * (off - 1));
   facts.notes.push_back(fmt::format(
       "{}: noise is alike in neighbouring pixels (it correlates by {:.2f} along rows, by {:.2f} "
       "along columns), as a filter in the camera makes it: the gain K comes out some {} too {}{}; "
-      "take raw images, without the camera's own processing",
+      "take raw images, without the camera's own processing, or a model with the filter (seam "
+      "discover finds mild ones), whose K is that of the noise before it",
       facts.figures.title, noise.along_rows, noise.along_columns, size, by > 1 ? "small" : "large",
       off > kFar ? ", so that figures that rest on noise are left out"
                  : ", and what rests on it is off by as much, beyond the errors that are stated"));
@@ -63,11 +63,11 @@ PhotometryProblem::PhotometryProblem(const MeasurementSet& set)
   if (values > kMostForTests) {
     const double most =
         std::max(kLeastForTests, kMostForTests / static_cast<double>(data_.levels.size()));
-    small_ = std::make_unique<const PhotometryData>(
-        thinned(data_, thinning_of(data_.width_px, data_.height_px, data_.channels, most)));
+    thinning_ = thinning_of(data_.width_px, data_.height_px, data_.channels, most);
+    small_ = std::make_unique<const PhotometryData>(thinned(data_, thinning_));
   }
-  if (!facts_.figures.figures.empty())
-    doubt_shared_noise(noise_likeness(view_of(*sums(all_groups()))), facts_);
+  noise_ = noise_likeness({data_, *sums(all_groups())});
+  if (noise_is_shared() && !facts_.figures.figures.empty()) doubt_shared_noise(noise_, facts_);
   if (data_.channels > 1) channels_share_ = channels_share_offsets(data_, *sums(all_groups()));
 }
 
@@ -85,6 +85,11 @@ std::shared_ptr<const PhotometrySums> PhotometryProblem::sums(const Groups& grou
   return value;
 }
 
+bool PhotometryProblem::noise_is_shared() const {
+  constexpr double kSure = 1e-4;  // Of ten thousand sets one is doubted by chance.
+  return noise_.p_value < kSure;
+}
+
 // Photometry has scores, fits and structures of its own; there are no residual vectors.
 Evaluation PhotometryProblem::evaluate(const Model&, const Groups&, const Evaluation*) const {
   Evaluation none;
@@ -93,12 +98,18 @@ Evaluation PhotometryProblem::evaluate(const Model&, const Groups&, const Evalua
 }
 
 Score PhotometryProblem::score(const Model& model, const Groups& groups) const {
-  const auto sum = sums(groups);
-  auto cells = cell_score(data_, *sum, cells_, model, set_noise_dn_, channels_share_);
-  const PhotometryScore own =
+  const HeldView held = view_of(model, groups);
+  const PhotometryData& data = held.view.data;
+  auto cells = cell_score(data, *held.sums, cells_, model, set_noise_dn_, channels_share_);
+  PhotometryScore own =
       cells ? std::move(*cells)
-            : score_photometry(data_, *sum, predict(data_, *sum, model, set_noise_dn_),
+            : score_photometry(data, *held.sums, predict(data, *held.sums, model, set_noise_dn_),
                                channels_share_);
+  const double of_frame = held.view.log_mixing * static_cast<double>(data.samples());
+  for (const LevelSums& level : held.sums->levels) {
+    for (const int frame : level.frames)
+      own.by_frame[static_cast<size_t>(frame)] -= of_frame, own.log_likelihood -= of_frame;
+  }
   Score score{.chi2 = own.chi2,
               .n = own.values,
               .nuisances = own.nuisances,
@@ -115,8 +126,9 @@ Score PhotometryProblem::score(const Model& model, const Groups& groups) const {
 
 std::vector<std::vector<double>> PhotometryProblem::starts(const Model& model,
                                                            const EffectDefinition& effect) const {
-  const auto sum = sums(training_groups()), small = sums(training_groups(), true);
-  return photometry_starts(small_view_of(*small), view_of(*sum), model, effect);
+  const HeldView small = view_of(model, training_groups(), true),
+                 whole = view_of(model, training_groups());
+  return photometry_starts(small.view, whole.view, model, effect, noise_);
 }
 
 std::vector<Groups> PhotometryProblem::regimes() const {
@@ -143,8 +155,10 @@ double PhotometryProblem::looks(const Model& model, const EffectDefinition& effe
 }
 
 std::vector<Figure> PhotometryProblem::figures(const Model& model) const {
-  if (!has_system_gain(facts_.figures)) return {};
-  const auto gain = emva_gain(data_, effects::sensor_of(model));
+  const effects::SensorChain chain = effects::sensor_of(model);
+  // Where a filter was found, the noise before it says what the standard's figures cannot.
+  if (!has_system_gain(facts_.figures) && !chain.mixing.acts()) return {};
+  const auto gain = emva_gain(data_, chain);
   if (!gain) return {};
   return {{.name = "K of the model", .unit = "DN/e-", .value = *gain}};
 }
@@ -168,8 +182,7 @@ void PhotometryProblem::check_model(const Model& model) const {
 
 std::vector<Structure> PhotometryProblem::structure(const Model& model, const Groups& groups,
                                                     int) const {
-  const auto sum = sums(groups, true);
-  return photometry_structure(small_view_of(*sum), model);
+  return photometry_structure(view_of(model, groups, true).view, model);
 }
 
 const Problem& PhotometryProblem::with_residuals() const {
@@ -202,12 +215,13 @@ bool has_unlike_exposures(const PhotometryData& data) {
   return shortest != data.levels.end() && longest->dark_s() > kUnlike * shortest->dark_s();
 }
 
-bool has_dark_pattern(const EffectDefinition& effect) {
+// The sensor that an effect of its typical size alone makes.
+effects::SensorChain chain_of(const EffectDefinition& effect) {
   std::vector<double> values;
   for (const effects::Parameter& one : effect.parameters) values.push_back(one.neutral + one.scale);
   effects::SensorChain chain;
   if (effect.sensor) effect.sensor(values, chain);
-  return chain.dark_sigma_dn_per_s > 0;
+  return chain;
 }
 
 }  // namespace
@@ -221,12 +235,16 @@ std::string PhotometryProblem::not_testable(const Model& model, const EffectDefi
   if (!why.empty() ||
       effects::start_rule(effect, facts_.set.kind).search == effects::StartSearch::frequency)
     return why;
-  if (has_dark_pattern(effect) && !has_unlike_exposures(data_))
+  const effects::SensorChain alone = chain_of(effect);
+  if (alone.mixing.acts() && !noise_is_shared())
+    return "noise of neighbouring pixels is independent";
+  if (alone.dark_sigma_dn_per_s > 0 && !has_unlike_exposures(data_))
     return "all frames have nearly the same exposure time";
   const double here = model.find(effect.name)->parameters[parameter].value;
-  const auto sum = sums(training_groups());
-  const PhotometryView view = view_of(*sum);
-  const double now = log_likelihood(view, model);
+  const auto likelihood = [&](const Model& one) {
+    return log_likelihood(view_of(one, training_groups()).view, one);
+  };
+  const double now = likelihood(model);
   // A typical step, and a good part of the way to neutral: scales are made for 8 bits, and near an
   // optimum small steps change nothing.
   for (const double size : {0.1 * definition.scale, 0.5 * (here - definition.neutral)}) {
@@ -234,7 +252,7 @@ std::string PhotometryProblem::not_testable(const Model& model, const EffectDefi
     Model other = model;
     other.set_value(effect.name, parameter,
                     here + size <= definition.max ? here + size : here - size);
-    if (std::abs(log_likelihood(view, other) - now) >= 1e-3) return "";
+    if (std::abs(likelihood(other) - now) >= 1e-3) return "";
   }
   return "it does not change the prediction of these data";
 }

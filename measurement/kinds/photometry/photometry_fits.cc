@@ -31,6 +31,16 @@ bool makes_dark(const effects::ModelEffect& effect) {
   return alone.dark_electrons_per_s > 0;
 }
 
+// Whether it mixes neighbours: it changes what the images are compared by.
+bool mixes(const effects::ModelEffect& effect) {
+  std::vector<double> values;
+  for (const effects::Parameter& one : effect.definition->parameters)
+    values.push_back(one.neutral + one.scale);
+  effects::SensorChain alone;
+  if (effect.definition->sensor) effect.definition->sensor(values, alone);
+  return alone.mixing.acts();
+}
+
 // The model with as many DN of electrons that need no light as another has that says otherwise how
 // many electrons make a DN: else these two would have to find each other along a bent valley, and
 // noise would stand for what is wrong on the way.
@@ -92,8 +102,7 @@ Fit PhotometryProblem::fit(const Model& given, const std::vector<Unknown>& unkno
   Fit fit;
   bool enough = false;
   if (beside) {
-    const auto sum = sums(groups);
-    const double base = log_likelihood(view_of(*sum), without);
+    const double base = log_likelihood(view_of(without, groups).view, without);
     std::vector<double> own_curvature;
     const Fit alone = fit_all(start, own, groups, own_curvature);
     enough = alone.log_likelihood - base < 2;
@@ -102,7 +111,7 @@ Fit PhotometryProblem::fit(const Model& given, const std::vector<Unknown>& unkno
   } else {
     fit = fit_all(start, unknowns, groups, curvature);
   }
-  if (!own.empty() && !enough && is_spread(own.front()))
+  if (!own.empty() && !enough && is_spread(own.front()) && !mixes(*start.find(candidate)))
     fit = without_misfit(fit, start, unknowns, groups);
   if (!enough) {
     const std::scoped_lock lock(mutex_);
@@ -110,35 +119,6 @@ Fit PhotometryProblem::fit(const Model& given, const std::vector<Unknown>& unkno
     optima_.emplace_back(fit_key(fit.model, unknowns, groups), std::move(curvature));
   }
   return fit;
-}
-
-// The sums with the misfit of each level's mean and of its smooth field taken out: what noise and
-// fixed patterns show, whatever the mean lacks.
-std::shared_ptr<const PhotometrySums> PhotometryProblem::rough_sums(const Model& model,
-                                                                    const Groups& groups) const {
-  const std::string key = fit_key(model, {}, groups);
-  const std::scoped_lock lock(rough_mutex_);
-  if (rough_ && rough_key_ == key) return rough_;
-  const bool small = small_ != nullptr;
-  const PhotometryData& data = small ? *small_ : data_;
-  PhotometrySums rough = *sums(groups, small);
-  const PhotometryPrediction prediction = predict(data, rough, model, set_noise_dn_);
-  const SmoothField field(data);
-  for (size_t l = 0; l < rough.levels.size(); ++l) {
-    std::vector<double>& mean = rough.levels[l].mean;
-    if (mean.empty()) continue;
-    std::vector<double> residual = mean;
-    for (size_t i = 0; i < mean.size(); ++i) residual[i] -= prediction.levels[l].mean[i];
-    const std::vector<double> smooth = field.of(residual);
-    for (size_t i = 0; i < mean.size(); ++i) mean[i] -= smooth[i];
-  }
-  set_side_by_side(rough);
-  Hasher id;
-  id.add(key);
-  rough.id = id.digest();
-  rough_ = std::make_shared<const PhotometrySums>(std::move(rough));
-  rough_key_ = key;
-  return rough_;
 }
 
 // A spread wide enough hides any misfit of the mean. Where the last unknowns' effect does, or one
@@ -153,18 +133,19 @@ Fit PhotometryProblem::without_misfit(const Fit& fit, const Model& start,
   base = with_dark_of(base, start);
   std::vector<Unknown> spreads;
   for (const Unknown& unknown : unknowns) {
-    if (start.find(unknown.effect)->definition->spread_only) spreads.push_back(unknown);
+    const effects::ModelEffect& effect = *start.find(unknown.effect);
+    if (effect.definition->spread_only && !mixes(effect)) spreads.push_back(unknown);
   }
   std::vector<double> curvature;
-  const Fit plain =
-      fit_to(small_view_of(*rough_sums(base, groups)), start, spreads, nullptr, curvature);
+  const HeldView rough = rough_view(base, groups);
+  const Fit plain = fit_to([&](const Model&) { return rough; }, start, spreads, {}, curvature);
   Model model = fit.model;
   std::vector<Unknown> others;
   std::vector<size_t> place, held, told;  // Among all unknowns; what is held, among spreads.
   for (size_t i = 0, spread = 0; i < unknowns.size(); ++i) {
     const effects::ModelEffect& effect = *start.find(unknowns[i].effect);
     bool hides = false;
-    if (effect.definition->spread_only) {
+    if (effect.definition->spread_only && !mixes(effect)) {
       const double honest = plain.value[spread], apart = std::abs(fit.value[i] - honest);
       const bool added =
           unknowns[i].effect == candidate || !effect.parameters[unknowns[i].parameter].free;
@@ -220,13 +201,11 @@ Fit PhotometryProblem::widened(const Fit& alone, const std::vector<Unknown>& unk
 
 Fit PhotometryProblem::fit_all(const Model& start, const std::vector<Unknown>& unknowns,
                                const Groups& groups, std::vector<double>& curvature) const {
-  const auto sum = sums(groups);
-  const PhotometryView view = view_of(*sum);
-  const Model from = with_straight_response(view, start, unknowns);
-  if (!small_) return fit_to(view, from, unknowns, nullptr, curvature);
-  const auto small = sums(groups, true);
-  const PhotometryView first = small_view_of(*small);
-  return fit_to(view, from, unknowns, &first, curvature);
+  const auto views = [&](bool small) {
+    return [this, &groups, small](const Model& model) { return view_of(model, groups, small); };
+  };
+  const Model from = with_straight_response(views(false)(start).view, start, unknowns);
+  return fit_to(views(false), from, unknowns, small_ ? views(true) : ViewsOfModels(), curvature);
 }
 
 // A response whose gain is sought begins at the straight line through the levels' means where that
@@ -273,8 +252,8 @@ std::vector<SearchParameter> PhotometryProblem::sought(const Model& start,
   return parameters;
 }
 
-Fit PhotometryProblem::fit_to(const PhotometryView& view, const Model& start,
-                              const std::vector<Unknown>& unknowns, const PhotometryView* first,
+Fit PhotometryProblem::fit_to(const ViewsOfModels& views, const Model& start,
+                              const std::vector<Unknown>& unknowns, const ViewsOfModels& first,
                               std::vector<double>& curvature) const {
   std::vector<SearchParameter> parameters = sought(start, unknowns);
   const bool seeks_dark =
@@ -286,18 +265,21 @@ Fit PhotometryProblem::fit_to(const PhotometryView& view, const Model& start,
       model.set_value(unknowns[i].effect, unknowns[i].parameter, values[i]);
     return seeks_dark ? model : with_dark_of(std::move(model), start);
   };
-  const auto find = [&](PhotometryView beside) {
-    beside.near = &start;
+  const auto find = [&](const ViewsOfModels& looks) {
     const auto likelihood = [&](const std::vector<double>& values) {
-      return log_likelihood(beside, with(values));
+      const Model model = with(values);
+      const HeldView held = looks(model);
+      PhotometryView view = held.view;
+      view.near = &start;
+      return log_likelihood(view, model);
     };
     return maximise(likelihood, parameters, Calls::side_by_side, curvature);
   };
   // Where each look takes all samples, the way is found on the small sensor's.
-  if (first != nullptr && !cells_stand_for(view, start)) {
-    const double more =
-        static_cast<double>(view.data.samples()) / static_cast<double>(first->data.samples());
-    const Maximum rough = find(*first);
+  if (first && !cells_stand_for(views(start).view, start)) {
+    const double more = static_cast<double>(data_.samples()) /
+                        static_cast<double>(first(start).view.data.samples());
+    const Maximum rough = find(first);
     for (size_t i = 0; i < parameters.size(); ++i) {
       parameters[i].start = rough.value[i];
       parameters[i].step = rough.step[i] / std::sqrt(more);
@@ -305,7 +287,7 @@ Fit PhotometryProblem::fit_to(const PhotometryView& view, const Model& start,
     }
     curvature = rough.curvature;
   }
-  Maximum maximum = find(view);
+  Maximum maximum = find(views);
   // Where a long bent valley leaves errors beyond reason, another try has steps that fit where the
   // first one ended.
   const auto is_unsure = [&] {
@@ -321,7 +303,7 @@ Fit PhotometryProblem::fit_to(const PhotometryView& view, const Model& start,
   for (int more = 0; more < 2 && is_unsure(); ++more) {
     curvature.clear();
     for (size_t i = 0; i < parameters.size(); ++i) parameters[i].start = maximum.value[i];
-    maximum = find(view);
+    maximum = find(views);
   }
   curvature = maximum.curvature;
   return {.model = with(maximum.value),

@@ -1,6 +1,7 @@
 // Kind `photometry` as the engine sees it.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <mutex>
 
@@ -12,6 +13,25 @@
 #include "measurement/sets/set.h"
 
 namespace seam::measurement {
+
+using SumsOfGroups =
+    std::vector<std::pair<std::pair<Groups, bool>, std::shared_ptr<const PhotometrySums>>>;
+
+// Images without a filter over neighbours, the smaller sensor of them, and sums.
+struct UnmixedStack {
+  PhotometryData data;
+  std::unique_ptr<const PhotometryData> small;
+  mutable std::mutex mutex;
+  mutable SumsOfGroups sums;
+};
+
+// What a model is compared with: the images, without the filter that it has.
+struct HeldView {
+  std::shared_ptr<const UnmixedStack> stack;  // Null: there is none.
+  std::shared_ptr<const PhotometrySums> sums;
+  PhotometryView view;
+};
+using ViewsOfModels = std::function<HeldView(const Model&)>;
 
 class PhotometryProblem : public Problem {
  public:
@@ -44,13 +64,11 @@ class PhotometryProblem : public Problem {
  private:
   // `small`: of the thinned images, where there are any.
   std::shared_ptr<const PhotometrySums> sums(const Groups& groups, bool small = false) const;
-  std::shared_ptr<const PhotometrySums> rough_sums(const Model& model, const Groups& groups) const;
-  PhotometryView view_of(const PhotometrySums& sums) const {
-    return {data_, sums, set_noise_dn_, channels_share_, &cells_};
-  }
-  PhotometryView small_view_of(const PhotometrySums& sums) const {
-    return {small_ ? *small_ : data_, sums, set_noise_dn_, channels_share_, &small_cells_};
-  }
+  bool noise_is_shared() const;  // By neighbours, beyond doubt.
+  // The images without this filter over neighbours (photometry_unmixed.cc).
+  std::shared_ptr<const UnmixedStack> unmixed_stack(const effects::Mixing& mixing) const;
+  HeldView view_of(const Model& model, const Groups& groups, bool small = false) const;
+  HeldView rough_view(const Model& model, const Groups& groups) const;
   // `curvature` (maximise.h): where it is not empty, one with the correlations that this one has,
   // and 0 where these are not known; then the one at the end.
   Fit fit_all(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups,
@@ -58,8 +76,8 @@ class PhotometryProblem : public Problem {
   std::vector<SearchParameter> sought(const Model& start,
                                       const std::vector<Unknown>& unknowns) const;
   // `first`: a smaller sensor of the same, where there is one.
-  Fit fit_to(const PhotometryView& view, const Model& start, const std::vector<Unknown>& unknowns,
-             const PhotometryView* first, std::vector<double>& curvature) const;
+  Fit fit_to(const ViewsOfModels& views, const Model& start, const std::vector<Unknown>& unknowns,
+             const ViewsOfModels& first, std::vector<double>& curvature) const;
   Fit without_misfit(const Fit& fit, const Model& start, const std::vector<Unknown>& unknowns,
                      const Groups& groups) const;
   Model with_straight_response(const PhotometryView& view, const Model& start,
@@ -68,19 +86,21 @@ class PhotometryProblem : public Problem {
 
   PhotometryData data_;
   std::unique_ptr<const PhotometryData> small_;  // Of large images: a smaller sensor of them.
+  Thinning thinning_;                            // Its places.
   CellStore cells_, small_cells_;
   double set_noise_dn_ = 0;
   bool channels_share_ = true;
+  NoiseLikeness noise_;  // Of the images as they are.
   mutable std::mutex mutex_;
   // Keys of fits that were done, and the curvature at each.
   mutable std::vector<std::pair<std::string, std::vector<double>>> optima_;
-  mutable std::vector<std::pair<std::pair<Groups, bool>, std::shared_ptr<const PhotometrySums>>>
-      cache_;
+  mutable SumsOfGroups cache_;
+  mutable std::vector<std::shared_ptr<const UnmixedStack>> unmixed_;  // The latest last.
   mutable std::once_flag means_made_;
   mutable std::unique_ptr<const PhotometryMeans> means_;
   mutable std::mutex rough_mutex_;
   mutable std::string rough_key_;
-  mutable std::shared_ptr<const PhotometrySums> rough_;
+  mutable std::shared_ptr<const PhotometrySums> rough_;  // Of `rough_view`.
 };
 
 // `seam measure` for this kind (photometry_measure.cc).

@@ -253,9 +253,11 @@ bool cells_stand_for(const PhotometryView& view, const Model& model) {
 }
 
 double log_likelihood(const PhotometryView& view, const Model& model) {
-  if (const auto fast = by_cells(view, model)) return *fast;
+  const double of_filter = view.log_mixing * static_cast<double>(view.sums.values);
+  if (const auto fast = by_cells(view, model)) return *fast - of_filter;
   const auto prediction = predict(view.data, view.sums, model, view.set_noise_dn);
-  return score_photometry(view.data, view.sums, prediction, view.channels_share).log_likelihood;
+  return score_photometry(view.data, view.sums, prediction, view.channels_share).log_likelihood -
+         of_filter;
 }
 
 std::optional<std::pair<double, double>> straight_response(const PhotometryView& view) {
@@ -283,7 +285,8 @@ std::optional<std::pair<double, double>> straight_response(const PhotometryView&
 }
 
 std::vector<Values> photometry_starts(const PhotometryView& view, const PhotometryView& whole,
-                                      const Model& model, const EffectDefinition& effect) {
+                                      const Model& model, const EffectDefinition& effect,
+                                      const NoiseLikeness& noise) {
   const PhotometryPrediction prediction = predict(view.data, view.sums, model, view.set_noise_dn);
   const effects::StartRule& rule = effects::start_rule(effect, effects::kPhotometry);
   switch (rule.search) {
@@ -305,8 +308,11 @@ std::vector<Values> photometry_starts(const PhotometryView& view, const Photomet
       if (choices.empty()) return {};
       return {best_of(view, model, effect, choices)};
     }
-    case effects::StartSearch::excess:
-      return {effect.start_from_excess(excess_of(view, prediction))};
+    case effects::StartSearch::excess: {
+      effects::SensorExcess excess = excess_of(view, prediction);
+      excess.likeness_in_row = noise.along_rows, excess.likeness_in_column = noise.along_columns;
+      return {effect.start_from_excess(excess)};
+    }
     default:
       break;
   }

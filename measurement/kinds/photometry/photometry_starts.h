@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "measurement/kinds/photometry/likelihood/stack_view.h"
+#include "measurement/kinds/photometry/structure/photometry_neighbour_tests.h"
 
 namespace seam::measurement {
 
@@ -14,10 +15,11 @@ double log_likelihood(const PhotometryView& view, const Model& model);
 bool cells_stand_for(const PhotometryView& view, const Model& model);
 
 // Values of the effect's parameters from which fits start, the likeliest first. `whole`: where few
-// odd samples are looked for.
+// odd samples are looked for; `noise`: of the images as they are.
 std::vector<std::vector<double>> photometry_starts(const PhotometryView& view,
                                                    const PhotometryView& whole, const Model& model,
-                                                   const EffectDefinition& effect);
+                                                   const EffectDefinition& effect,
+                                                   const NoiseLikeness& noise);
 // Gain and black of the straight line through the levels' means (Theil and Sen), whatever unit the
 // light is in; nothing where fewer than two levels of light tell it.
 std::optional<std::pair<double, double>> straight_response(const PhotometryView& view);

@@ -22,8 +22,9 @@ double square(double x) {
 }  // namespace
 
 ResidualView PhotometryProblem::residual_view(const Model& model, const Groups& groups) const {
-  const auto sum = sums(groups);
-  const PhotometryPrediction prediction = predict(data_, *sum, model, set_noise_dn_);
+  const HeldView held = view_of(model, groups);
+  const auto& sum = held.sums;
+  const PhotometryPrediction prediction = predict(held.view.data, *sum, model, set_noise_dn_);
   const auto& chain = prediction.chain;
   ResidualView::Channel mean{.name = "dn"}, spread{.name = "dn spread"};
   std::vector<double> row, column, radius, light, channel;
@@ -60,7 +61,8 @@ ResidualView PhotometryProblem::residual_view(const Model& model, const Groups& 
           sigma_of(1, square(chain.pixel_gain_sigma) + square(chain.lamp_sigma)));
       if (level.frames.size() < 3) continue;
       for (size_t k = 0; k < kSpreadFrames; ++k) {
-        spread.residual.push_back(data_.images[level.frames[k]][i] - level.mean[i]);
+        const double value = held.view.data.value(static_cast<size_t>(level.frames[k]), i);
+        spread.residual.push_back(value - level.mean[i]);
         const double own =
             predicted.variance[i] + square(chain.row_sigma_dn * predicted.offset_slope[i]);
         spread.sigma.push_back(std::sqrt(own * (1 - 1 / n)));

@@ -28,7 +28,7 @@ class CellLikelihood {
         sorted_(*cells.sorted),
         dark_(dark),
         model_(model),
-        chain_(effects::sensor_of(model)),
+        chain_(chain_before_mixing(model, data.file_bits)),
         noise_{set_noise_dn, data.least_at_top_dn2, data.least_at_bottom_dn2},
         share_(share),
         flickers_(effects::lamps_flicker(model)),

@@ -333,9 +333,21 @@ std::vector<double> lamp_rows(const PhotometryData& data, int frame, double expo
   return brightness;
 }
 
+effects::SensorChain chain_before_mixing(const effects::Model& model, int file_bits) {
+  SensorChain chain = effects::sensor_of(model);
+  if (!chain.mixing.acts()) return chain;
+  const double step = effects::quantisation_step(chain, file_bits),
+               larger = effects::unmixed_variance(chain.mixing.along_rows) *
+                        effects::unmixed_variance(chain.mixing.along_columns);
+  // A filter that sharpens makes it smaller.
+  const double rounding2 = std::max(0.0, step * step / 12 * (larger - 1));
+  chain.read_sigma_dn = std::sqrt(chain.read_sigma_dn * chain.read_sigma_dn + rounding2);
+  return chain;
+}
+
 PhotometryPrediction predict(const PhotometryData& data, const PhotometrySums& sums,
                              const effects::Model& model, double set_noise_dn) {
-  PhotometryPrediction out{.chain = effects::sensor_of(model)};
+  PhotometryPrediction out{.chain = chain_before_mixing(model, data.file_bits)};
   const bool moving = depends_on_time(model);
   out.moves = moving || effects::lamps_flicker(model);
   const std::vector<double> own = own_light(data, model), wave = unit_wave(data, out.chain);

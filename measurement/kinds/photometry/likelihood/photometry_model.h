@@ -50,6 +50,10 @@ std::vector<double> own_light(const PhotometryData& data, const effects::Model& 
 // Whether gain fields or sensor maps change with time (only formulas of users can).
 bool depends_on_time(const effects::Model& model);
 
+// The sensor before a filter over neighbours acts, where images are looked at without it: rounding
+// comes after the filter, so that the inverse makes it larger, and it counts as noise of reading.
+effects::SensorChain chain_before_mixing(const effects::Model& model, int file_bits);
+
 PhotometryPrediction predict(const PhotometryData& data, const PhotometrySums& sums,
                              const effects::Model& model, double set_noise_dn);
 

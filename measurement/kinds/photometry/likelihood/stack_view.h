@@ -13,6 +13,8 @@ struct PhotometryView {
   bool channels_share = true;
   const CellStore* cells = nullptr;  // Nothing: every sample is evaluated.
   const Model* near = nullptr;       // As in CellStore.
+  // Where a filter over neighbours was undone in the images: log_mixing of it (mixing.h).
+  double log_mixing = 0;
 };
 
 }  // namespace seam::measurement

@@ -32,7 +32,8 @@ void sum_level(const PhotometryData& data, LevelSums& sum) {
   sum.row_mean.assign(data.rows(), 0);
   sum.scatter.assign(samples, 0);
   for (const int frame : sum.frames) {
-    for (size_t i = 0; i < samples; ++i) sum.mean[i] += data.images[frame][i];
+    const auto f = static_cast<size_t>(frame);
+    for (size_t i = 0; i < samples; ++i) sum.mean[i] += data.value(f, i);
     for (size_t row = 0; row < data.rows(); ++row) sum.row_mean[row] += data.row_mean[frame][row];
   }
   const double scale = 1.0 / static_cast<double>(sum.frames.size());
@@ -40,7 +41,7 @@ void sum_level(const PhotometryData& data, LevelSums& sum) {
   for (double& mean : sum.row_mean) mean *= scale;
   const int channels = data.channels;
   for (const int frame : sum.frames) {
-    const auto& image = data.images[frame];
+    const auto f = static_cast<size_t>(frame);
     size_t i = 0;
     for (int v = 0; v < data.height_px; ++v) {
       double shift[3];
@@ -50,7 +51,7 @@ void sum_level(const PhotometryData& data, LevelSums& sum) {
       }
       for (int u = 0; u < data.width_px; ++u) {
         for (int c = 0; c < channels; ++c, ++i) {
-          const double rest = image[i] - sum.mean[i] - shift[c];
+          const double rest = data.value(f, i) - sum.mean[i] - shift[c];
           sum.scatter[i] += rest * rest;
         }
       }
@@ -63,13 +64,13 @@ void sum_level(const PhotometryData& data, LevelSums& sum) {
 void sum_rows(PhotometryData& data) {
   const int width = data.width_px, channels = data.channels;
   data.row_mean.clear();
-  for (const auto& image : data.images) {
+  for (size_t f = 0; f < data.frame_count(); ++f) {
     std::vector<double> means(data.rows(), 0);
     size_t i = 0;
     for (int v = 0; v < data.height_px; ++v) {
       for (int u = 0; u < width; ++u) {
         for (int c = 0; c < channels; ++c)
-          means[static_cast<size_t>(v) * channels + c] += image[i++];
+          means[static_cast<size_t>(v) * channels + c] += data.value(f, i++);
       }
     }
     for (double& mean : means) mean /= width;
@@ -89,7 +90,7 @@ Thinning thinning_of(int width_px, int height_px, int channels, double most_samp
 
 PhotometryData thinned(const PhotometryData& data, const Thinning& kept) {
   PhotometryData out = data;
-  out.images.clear();
+  out.images.clear(), out.unmixed_images.clear();
   out.column_px.clear(), out.row_px.clear();
   out.sensor_width_px = data.sensor_width(), out.sensor_height_px = data.sensor_height();
   out.width_px = static_cast<int>(kept.column_px.size());
@@ -97,8 +98,8 @@ PhotometryData thinned(const PhotometryData& data, const Thinning& kept) {
   for (const int u : kept.column_px) out.column_px.push_back(data.column(u));
   for (const int v : kept.row_px) out.row_px.push_back(data.row(v));
   const auto channels = static_cast<size_t>(data.channels);
-  for (const auto& image : data.images) {
-    std::vector<uint16_t> part;
+  const auto part_of = [&](const auto& image) {
+    std::decay_t<decltype(image)> part;
     part.reserve(out.samples());
     for (const int v : kept.row_px) {
       for (const int u : kept.column_px) {
@@ -106,7 +107,21 @@ PhotometryData thinned(const PhotometryData& data, const Thinning& kept) {
         part.insert(part.end(), &image[at], &image[at] + channels);
       }
     }
-    out.images.push_back(std::move(part));
+    return part;
+  };
+  for (const auto& image : data.images) out.images.push_back(part_of(image));
+  for (const auto& image : data.unmixed_images) out.unmixed_images.push_back(part_of(image));
+  sum_rows(out);
+  return out;
+}
+
+PhotometryData unmixed(const PhotometryData& data, const effects::Mixing& mixing) {
+  PhotometryData out = data;
+  out.images.clear();
+  out.mixing = mixing;
+  for (const auto& image : data.images) {
+    std::vector<float>& values = out.unmixed_images.emplace_back(image.begin(), image.end());
+    effects::unmix(mixing, {data.width_px, data.height_px, data.channels}, values);
   }
   sum_rows(out);
   return out;
@@ -168,6 +183,7 @@ PhotometrySums sum_frames(const PhotometryData& data, const Groups& groups,
                           const std::vector<int>& group_of_frame) {
   Hasher chosen;
   chosen.add(std::string_view(groups.data(), groups.size()));
+  if (data.mixing.acts()) chosen.add(data.mixing.along_rows), chosen.add(data.mixing.along_columns);
   PhotometrySums sums{.id = chosen.digest()};
   for (const PhotometryLevel& level : data.levels) {
     LevelSums sum;

@@ -2,11 +2,13 @@
 // each level of light, reduced to sums that the likelihood needs (photometry_likelihood.h).
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include "effects/stages/sensor/mixing.h"
 #include "measurement/problem/problem.h"
 #include "measurement/sets/set.h"
 #include "sim_core/base/image.h"
@@ -62,11 +64,18 @@ struct PhotometryData {
   std::vector<PhotometryFrame> frames;
   std::vector<PhotometryLevel> levels;
   std::vector<std::vector<uint16_t>> images;  // By frame.
+  // The same without this filter over neighbours (`unmixed`); empty: as they are.
+  effects::Mixing mixing;
+  std::vector<std::vector<float>> unmixed_images;
   std::vector<std::vector<double>> row_mean;  // By frame, then row * channels + channel.
   // Where the kept columns and rows stand on the sensor; empty: all are kept.
   std::vector<int> column_px, row_px;
   int sensor_width_px = 0, sensor_height_px = 0;  // 0: that of the kept ones.
 
+  size_t frame_count() const { return std::max(images.size(), unmixed_images.size()); }
+  double value(size_t frame, size_t sample) const {
+    return unmixed_images.empty() ? images[frame][sample] : unmixed_images[frame][sample];
+  }
   size_t samples() const { return static_cast<size_t>(width_px) * height_px * channels; }
   size_t rows() const { return static_cast<size_t>(height_px) * channels; }
   // 1 (green) for grey images.
@@ -91,6 +100,8 @@ struct Thinning {
 Thinning thinning_of(int width_px, int height_px, int channels, double most_samples);
 // The frames with those rows and columns alone (indices of `data`'s own).
 PhotometryData thinned(const PhotometryData& data, const Thinning& kept);
+// The frames as they were before this filter over neighbours.
+PhotometryData unmixed(const PhotometryData& data, const effects::Mixing& mixing);
 // Means of the rows of every image, into `row_mean`.
 void sum_rows(PhotometryData& data);
 

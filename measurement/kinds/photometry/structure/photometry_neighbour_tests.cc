@@ -22,6 +22,7 @@ struct Pairs {
   double products[2] = {0, 0};
   double count[2] = {0, 0};
   double squares = 0, samples = 0;
+  double expected[2] = {0, 0};  // Correlation that rounding makes once a filter is undone.
 };
 
 void clip(std::vector<double>& values) {
@@ -86,7 +87,8 @@ void add_pairs(const PhotometryData& data, const std::vector<double>& values, Pa
 double correlation_of(const PhotometryData& data, const Pairs& pairs, int way) {
   if (pairs.count[way] == 0 || !(pairs.squares > 0)) return 0;
   const int length = way == 0 ? data.width_px : data.height_px;
-  return pairs.products[way] / pairs.count[way] * pairs.samples / pairs.squares + 1.0 / length;
+  return pairs.products[way] / pairs.count[way] * pairs.samples / pairs.squares + 1.0 / length -
+         pairs.expected[way];
 }
 
 // Of independent samples the correlation of n pairs scatters by 1 / sqrt(n). `independent`: the
@@ -173,14 +175,17 @@ FramePairs frame_pairs(const PhotometryView& view) {
   FramePairs found;
   const auto values = static_cast<double>(view.sums.values);
   const auto every = static_cast<size_t>(std::max(1.0, std::round(values / kMostValues)));
-  double frames = 0;
+  double frames = 0, rounding = 0;
+  const effects::Mixing& mixing = view.data.mixing;
+  const double rounding2 = effects::unmixed_variance(mixing.along_rows) *
+                           effects::unmixed_variance(mixing.along_columns) / 12;
   for (const LevelSums& level : view.sums.levels) {
     if (level.frames.size() < 2) continue;
     const double share = 1 - 1 / static_cast<double>(level.frames.size());
     for (size_t f = 0; f < level.frames.size(); f += every) {
-      const auto& image = view.data.images[static_cast<size_t>(level.frames[f])];
-      std::vector<double> left(image.size());
-      for (size_t i = 0; i < left.size(); ++i) left[i] = image[i] - level.mean[i];
+      const auto frame = static_cast<size_t>(level.frames[f]);
+      std::vector<double> left(view.data.samples());
+      for (size_t i = 0; i < left.size(); ++i) left[i] = view.data.value(frame, i) - level.mean[i];
       clip(left);
       centre(view.data, left);
       const double size = robust_sigma(left);
@@ -188,9 +193,13 @@ FramePairs frame_pairs(const PhotometryView& view) {
       for (double& value : left) value /= size;
       add_pairs(view.data, left, found.pairs);
       found.variance += size * size / share, found.independent += share, ++frames;
+      rounding += std::min(1.0, rounding2 * share / (size * size));
     }
   }
-  if (frames > 0) found.variance /= frames, found.independent /= frames;
+  if (!(frames > 0)) return found;
+  found.variance /= frames, found.independent /= frames;
+  found.pairs.expected[0] = rounding / frames * effects::unmixed_correlation(mixing.along_rows);
+  found.pairs.expected[1] = rounding / frames * effects::unmixed_correlation(mixing.along_columns);
   return found;
 }
 
