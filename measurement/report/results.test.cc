@@ -34,6 +34,20 @@ TEST(StrongestFirst, StrengthDecidesWherePIsCut) {
   EXPECT_EQ(order, (std::vector<std::string>{"bearing", "heading", "range", "time"}));
 }
 
+TEST(StrongestFirst, ALabelGivesWayToWhatTakesAsMuch) {
+  Facts facts;
+  facts.channels = {{.name = "u_px", .noise = 0.1}};
+  facts.covariates = {{.name = "frame", .type = Covariate::Type::category}, {.name = "pan"}};
+  std::vector<Structure> structures = {
+      {.residual = "u_px", .covariate = "frame", .strength = 0.9, .p_value = 1e-300},
+      {.residual = "u_px", .covariate = "pan", .strength = 0.8, .p_value = 1e-300}};
+  strongest_first(facts, structures);
+  EXPECT_EQ(structures.front().covariate, "pan");
+  structures.front().strength = 0.3;  // One frame is off, by its number or not.
+  strongest_first(facts, structures);
+  EXPECT_EQ(structures.front().covariate, "frame");
+}
+
 // The tutorial's recording: many tests have the least p, and their strengths fall from line to
 // line.
 TEST(Compare, ListsTheStrongestFirst) {
@@ -47,8 +61,12 @@ TEST(Compare, ListsTheStrongestFirst) {
   while (cut < result.structure.size() && result.structure[cut].p_value <= 1e-300) ++cut;
   ASSERT_GT(cut, 4u);
   EXPECT_EQ(result.structure[0].covariate, "row*pan_rate");
+  // A label counts for three quarters (the test above).
+  const auto counted = [](const Structure& s) {
+    return (s.covariate == "frame" || s.covariate == "landmark" ? 0.75 : 1) * s.strength;
+  };
   for (size_t i = 1; i < cut; ++i)
-    EXPECT_GE(result.structure[i - 1].strength, result.structure[i].strength)
+    EXPECT_GE(counted(result.structure[i - 1]), counted(result.structure[i]))
         << result.structure[i].residual << " " << result.structure[i].covariate;
   // The text's first line of structure is the JSON's first entry.
   const std::string text = compare_text(*problem, result);

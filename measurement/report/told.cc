@@ -61,6 +61,10 @@ bool is_place_in_image(const std::string& name) {
   return name == "row" || name == "column" || name == "radius";
 }
 
+double away_from_neutral(const effects::Parameter& parameter, double value) {
+  return std::isfinite(parameter.neutral) ? value - parameter.neutral : value;
+}
+
 }  // namespace
 
 std::string two_digits(double value) {
@@ -78,8 +82,7 @@ std::string told_value(const effects::Parameter& parameter, const effects::Param
   if (!value.sigma) return "not determined";
   // Left where it is: the data do not ask for it.
   if (*value.sigma == 0) return fmt::format("{:.6g}", value.value);
-  const double away =
-      std::isfinite(parameter.neutral) ? value.value - parameter.neutral : value.value;
+  const double away = away_from_neutral(parameter, value.value);
   // Against a typical size an error is small where the data say that there is none of it.
   if (*value.sigma >= std::abs(away))
     return *value.sigma < kSmall * parameter.scale && std::isfinite(parameter.neutral)
@@ -101,17 +104,43 @@ std::string told_value(const Model& model, const std::string& name,
   return told_value(*found, value);
 }
 
+namespace {
+
+// With the error that the fit gives it.
+effects::ParameterValue fitted_value(const Assessment& assessment, const std::string& effect,
+                                     size_t parameter) {
+  effects::ParameterValue value{.value =
+                                    assessment.model.find(effect)->parameters[parameter].value};
+  if (const auto k = index_of(assessment.unknowns, {effect, parameter})) {
+    value.free = true;
+    if (std::isfinite(assessment.fit.sigma[*k])) value.sigma = assessment.fit.sigma[*k];
+  }
+  return value;
+}
+
+}  // namespace
+
+bool tells_a_value(const Assessment& assessment, const std::string& effect) {
+  const effects::ModelEffect* found = assessment.model.find(effect);
+  if (found == nullptr || found->parameters.empty()) return true;
+  const auto& parameters = found->definition->parameters;
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    const effects::ParameterValue value = fitted_value(assessment, effect, i);
+    const double away = away_from_neutral(parameters[i], value.value);
+    if (away != 0 && (!value.free || is_at_bound(parameters[i], value.value) ||
+                      (value.sigma && *value.sigma < std::abs(away))))
+      return true;
+  }
+  return false;
+}
+
 std::string told_values(const Assessment& assessment, const std::string& effect) {
   const effects::ModelEffect& entry = *assessment.model.find(effect);
   std::vector<std::string> texts;
   for (size_t i = 0; i < entry.parameters.size(); ++i) {
     const effects::Parameter& parameter = entry.definition->parameters[i];
-    effects::ParameterValue value{.value = entry.parameters[i].value};
-    if (const auto k = index_of(assessment.unknowns, {effect, i})) {
-      value.free = true;
-      if (std::isfinite(assessment.fit.sigma[*k])) value.sigma = assessment.fit.sigma[*k];
-    }
-    texts.push_back(parameter.name + " = " + told_value(parameter, value));
+    texts.push_back(parameter.name + " = " +
+                    told_value(parameter, fitted_value(assessment, effect, i)));
   }
   return fmt::format("{}", fmt::join(texts, ", "));
 }

@@ -143,6 +143,26 @@ TEST(Headline, CallsNothingMissingBesideACauseThatDoesAboutAsMuch) {
       << headline(room, result, 0);
 }
 
+// A shape that another effect scales is no cause of its own.
+TEST(Headline, CallsNothingMissingOfWhichTheDataTellNoValue) {
+  const Room room;
+  SearchResult result;
+  result.verdict = "missing_effect";
+  Assessment& best = result.best.assessment;
+  best.model = made_model(made_effect("warp", {kShift}), {1e-5});
+  best.model.add_neutral(made_effect("flex", {kShift}));
+  best.model.set_value("flex", 0, 4e-3);
+  best.unknowns = {{"warp", 0}, {"flex", 0}};
+  best.fit.value = {1e-5, 4e-3}, best.fit.sigma = {1e-4, 1e-4};
+  result.steps = {{.effect = "warp", .moved = 1}, {.effect = "flex", .moved = 3}};
+  const std::string told = headline(room, result, 0);
+  EXPECT_NE(
+      told.find("What matters: flex is missing; it moves predictions by 3 x noise; warp is in "
+                "the model for the others alone: the data tell no value"),
+      std::string::npos)
+      << told;
+}
+
 // A value at the end of its range is no cause established, whatever it gains.
 TEST(Headline, CallsNothingMissingThatStandsAtABound) {
   const Room room;
@@ -152,6 +172,7 @@ TEST(Headline, CallsNothingMissingThatStandsAtABound) {
     const auto effect = made_effect("pupil", {kShift});
     result.best.assessment.model = made_model(effect, {value});
     result.best.assessment.unknowns = {{"pupil", 0}};
+    result.best.assessment.fit.sigma = {1e-4};
     result.steps = {{.effect = "pupil", .moved = 2}};
     result.steps[0].doubts = doubts_of(room, result.best.assessment, {"pupil"})[0];
     return headline(room, result, 0);

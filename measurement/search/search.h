@@ -62,7 +62,7 @@ struct SearchResult {
   std::optional<Suggestion> suggestion;
   std::vector<std::string> mimics;
   std::optional<EmpiricalLens> splines;
-  std::vector<TriedFunction> functions;  // Smooth ones, beside the last step.
+  std::vector<TriedFunction> functions;  // Smooth ones, beside `best`.
   bool formula_sought = false;
   bool ties_sought = false;            // Not where a cause is unexplained.
   double mimics_error = 0;             // Of the model that has them.

@@ -212,7 +212,7 @@ bool names_imitate(const Problem& problem, const std::vector<Grown>& way, double
 
 void look_for_unnamed(const Problem& problem, const KnownCauses& known, SearchResult& result) {
   const std::vector<Grown> grown = explanations_of(result);
-  result.unnamed = unnamed_beside(problem, grown, result.material, known, &result.functions);
+  result.unnamed = unnamed_beside(problem, grown, result.material, known);
   if (!result.unnamed) return;
   end_steps_at(result.unnamed->beside, grown[result.unnamed->beside], result);
   leave_out_mimics(problem, known, result);
@@ -229,6 +229,18 @@ bool leave_out_doubted(const Problem& problem, const KnownCauses& known, SearchR
   leave_out_mimics(problem, known, result);
   return true;
 }
+
+namespace {
+
+// Of the squared error, in units of the noise.
+double taken_by(const UnnamedCause& cause) {
+  return cause.error_before * cause.error_before - cause.error_after * cause.error_after;
+}
+double taken_by(const Suggestion& formula) {
+  return formula.error_before * formula.error_before - formula.error * formula.error;
+}
+
+}  // namespace
 
 bool look_for_formula(const Problem& problem, const Progress& progress, const KnownCauses& known,
                       SearchResult& result) {
@@ -258,7 +270,7 @@ bool look_for_formula(const Problem& problem, const Progress& progress, const Kn
     const double lead = (found->log_evidence - named - merit_of(problem, last)) / misfit;
     if (!explains_better(lead, found->error, last, adds_means_alone(grown[place], last))) continue;
     if (result.unnamed && place == result.unnamed->beside &&
-        lead < kOwnBesideUnnamed * result.unnamed->lead)
+        taken_by(*found) < kOwnBesideUnnamed * taken_by(*result.unnamed))
       continue;
     // Of equals the one with the fewest effects.
     if (result.suggestion && lead < most + kTieWidth) continue;

@@ -350,11 +350,19 @@ double noise_of(const Facts& facts, const std::string& residual) {
 }
 
 void strongest_first(const Facts& facts, std::vector<Structure>& structures) {
+  // Rows of one label follow whatever is smooth over them, which names the cause where it takes as
+  // much, but for what its curve misses.
+  constexpr double kOfLabel = 0.75;
   const auto key = [&](const Structure& s) {
     const double noise = noise_of(facts, s.residual);
+    const bool label =
+        std::any_of(facts.covariates.begin(), facts.covariates.end(), [&](const Covariate& c) {
+          return c.name == s.covariate && c.type == Covariate::Type::category;
+        });
+    const double strength = (label ? kOfLabel : 1) * s.strength;
     // That neighbours agree tells that something smooth is missing, which the others name.
     return std::tuple(s.p_value, s.covariate == kNeighbour,
-                      noise > 0 ? -s.strength / noise : -s.strength);
+                      noise > 0 ? -strength / noise : -strength);
   };
   std::stable_sort(structures.begin(), structures.end(),
                    [&](const Structure& a, const Structure& b) { return key(a) < key(b); });

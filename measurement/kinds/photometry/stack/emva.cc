@@ -15,6 +15,8 @@ constexpr double kRounding = 1.0 / 12;
 // and linearity.
 constexpr double kMostForGain = 0.7;
 constexpr double kLeastForLinearity = 0.05, kMostForLinearity = 0.95;
+// By the standard so many of the values of dark frames may be 0.
+constexpr double kMostAtZero = 0.005;
 constexpr double kPercent = 100;
 constexpr const char* kSystemGain = "system gain K";
 // Figures of means, which no noise moves.
@@ -96,6 +98,26 @@ std::optional<Value> slope_through_origin(const std::vector<const Point*>& point
   return Value{slope, std::sqrt(std::max(own, square * n / (n - 1))) / xx};
 }
 
+// A line with an offset by least squares: what is alike in all points has no part in its slope.
+template <typename X, typename Y, typename Sigma>
+std::optional<Value> slope_of_line(const std::vector<const Point*>& points, X x, Y y, Sigma sigma) {
+  const auto n = static_cast<double>(points.size());
+  if (n < 3) return std::nullopt;
+  double x0 = 0, y0 = 0, xx = 0, xy = 0, own = 0, square = 0;
+  for (const Point* p : points) x0 += x(*p) / n, y0 += y(*p) / n;
+  for (const Point* p : points) {
+    xx += (x(*p) - x0) * (x(*p) - x0);
+    xy += (x(*p) - x0) * (y(*p) - y0);
+  }
+  if (!(xx > 0)) return std::nullopt;
+  const double slope = xy / xx;
+  for (const Point* p : points) {
+    const double r = y(*p) - y0 - slope * (x(*p) - x0), away2 = (x(*p) - x0) * (x(*p) - x0);
+    own += away2 * sigma(*p) * sigma(*p), square += away2 * r * r;
+  }
+  return Value{slope, std::sqrt(std::max(own, square * n / (n - 2))) / xx};
+}
+
 // The standard's line of least relative deviations, and the mean of their sizes, percent.
 std::optional<Value> linearity_error(const std::vector<const Point*>& points) {
   if (points.size() < 3) return std::nullopt;
@@ -123,7 +145,8 @@ class Emva {
   FigureTable run() {
     if (points_.size() < 3) return {};
     find_saturation();
-    const auto gain = slope_through_origin(
+    const bool without_darks = darks_cut_off(data_) > 0;
+    const auto gain = photon_transfer(
         below(kMostForGain), [](const Point& p) { return p.signal; },
         [](const Point& p) { return p.noise2; }, [](const Point& p) { return p.noise2_sigma; });
     if (!gain || !(gain->value > 0)) return {};
@@ -131,11 +154,14 @@ class Emva {
     table_.title = "EMVA 1288";
     add(kSystemGain, "DN/e-", gain_);
     add("1/K", "e-/DN", {1 / gain_.value, gain_.sigma / (gain_.value * gain_.value)});
-    add_dark();
-    add_saturation();
-    add_nonuniformity();
+    if (!without_darks) {
+      add_dark();
+      add_saturation();
+      add_nonuniformity();
+    }
     if (const auto error = linearity_error(between(kLeastForLinearity, kMostForLinearity)))
       add("linearity error LE", "%", *error);
+    if (without_darks) return table_;
     add_efficiency();
     add_curve();
     return table_;
@@ -154,7 +180,7 @@ class Emva {
     };
     std::vector<const Point*> known = below(kMostForGain);
     std::erase_if(known, [](const Point* p) { return !std::isfinite(p->light); });
-    const auto slope = slope_through_origin(
+    const auto slope = photon_transfer(
         known, [&](const Point& p) { return of(*p.level).mean_dn - of(*p.dark).mean_dn; },
         [&](const Point& p) { return of(*p.level).variance_dn2 - of(*p.dark).variance_dn2; },
         [](const Point&) { return 0.0; });
@@ -163,6 +189,13 @@ class Emva {
   }
 
  private:
+  // The slope of the noise over the signal.
+  template <typename... Coordinates>
+  std::optional<Value> photon_transfer(const std::vector<const Point*>& points,
+                                       Coordinates... coordinates) const {
+    return darks_cut_off(data_) > 0 ? slope_of_line(points, coordinates...)
+                                    : slope_through_origin(points, coordinates...);
+  }
   void add(const std::string& name, const std::string& unit, Value v) {
     table_.figures.push_back({name, unit, v.value, v.sigma});
   }
@@ -321,6 +354,14 @@ class Emva {
 };
 
 }  // namespace
+
+double darks_cut_off(const PhotometryData& data) {
+  double share = 0;
+  for (const PhotometryLevel& level : data.levels) {
+    if (level.illumination == 0) share = std::max(share, level.whole.at_zero);
+  }
+  return share > kMostAtZero ? share : 0;
+}
 
 FigureTable emva_figures(const PhotometryData& data) {
   if (data.channels != 1) return {};

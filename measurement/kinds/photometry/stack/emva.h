@@ -10,7 +10,12 @@
 namespace seam::measurement {
 
 // Nothing (no figures) for colour images, and without levels of light and dark frames in pairs.
+// Where dark frames are cut off at 0, those alone that rest on lit ones.
 FigureTable emva_figures(const PhotometryData& data);
+
+// The largest share of zeros among the values of a level of dark frames; 0 where it is no larger
+// than the standard allows.
+double darks_cut_off(const PhotometryData& data);
 
 // Of these figures those of means alone: nothing that the noise of single pixels has part in.
 FigureTable without_noise(FigureTable figures);

@@ -24,6 +24,7 @@ struct LevelStatistics {
   double spatial_variance = 0;   // Of the samples' means over the frames, as measured, DN^2.
   double frame_scatter = 0;      // Variance of the frames' means, DN^2.
   double at_top = 0;             // Share of the values that stand at the file's highest.
+  double at_zero = 0;            // Share of those that are 0.
 };
 
 // Frames of one level see the same scene with the same exposure and gain.

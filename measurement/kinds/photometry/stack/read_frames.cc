@@ -32,6 +32,7 @@ class LevelCounter {
       square_ += static_cast<double>(value) * value;
       if (value > top_) top_ = value, at_top_ = 0;
       at_top_ += value == top_;
+      at_zero_ += value == 0;
     }
     frame_means_.push_back(total / static_cast<double>(image.samples.size()));
   }
@@ -45,6 +46,7 @@ class LevelCounter {
     }
     LevelStatistics out{.frames = static_cast<int>(f), .samples = n, .mean = total / (n * f)};
     out.at_top = static_cast<double>(at_top_) / (n * f);
+    out.at_zero = static_cast<double>(at_zero_) / (n * f);
     const double mean_sum = total / n;
     out.spatial_variance = (of_sums / n - mean_sum * mean_sum) / (f * f) * n / std::max(1.0, n - 1);
     if (f < 2) return out;
@@ -58,7 +60,7 @@ class LevelCounter {
   std::vector<uint32_t> sum_;
   double square_ = 0;
   uint32_t top_ = 0;
-  uint64_t at_top_ = 0;
+  uint64_t at_top_ = 0, at_zero_ = 0;
   std::vector<double> frame_means_;
 };
 
@@ -263,6 +265,13 @@ PhotometryData read_photometry(const MeasurementSet& set, Facts& facts) {
         data.height_px, data.sensor_height_px, data.width_px, data.sensor_width_px));
   }
   facts.figures = emva_figures(data);
+  if (const double share = darks_cut_off(data); share > 0 && !facts.figures.figures.empty()) {
+    facts.notes.push_back(fmt::format(
+        "{}: {:.0f} % of the values of dark frames are 0, where they are cut off: what rests on "
+        "dark frames is left out, and the gain K is that of the lit ones alone; raise the black "
+        "level of the camera",
+        facts.figures.title, 100 * share));
+  }
   note_bits(data, facts);
   note_lights(table, data, facts);
   return data;

@@ -138,6 +138,25 @@ TEST(PhotometryStack, EmvaFiguresOfAKnownSensor) {
   EXPECT_NEAR(first.expected, first.snr, 5 * first.sigma);
 }
 
+// Half of the values of dark frames are cut off: they say nothing of noise, offset or their spread.
+TEST(PhotometryStack, DarkFramesThatAreCutOffGiveNoFigures) {
+  Camera camera{.black = 0.5};
+  Folder out("emva-cut");
+  out.write(camera, series(), ", bits: 12");
+  Facts facts;
+  out.read(facts);
+  double sigma = 0;
+  const double gain = figure(facts.figures, "system gain K", &sigma);
+  EXPECT_NEAR(gain, camera.gain, 4 * sigma);
+  EXPECT_LT(sigma, 0.02 * camera.gain);
+  EXPECT_LT(figure(facts.figures, "linearity error LE"), 0.1);
+  EXPECT_TRUE(std::isnan(figure(facts.figures, "dark noise")));
+  EXPECT_TRUE(std::isnan(figure(facts.figures, "DSNU1288")));
+  ASSERT_FALSE(facts.notes.empty());
+  EXPECT_NE(facts.notes.front().find("are 0, where they are cut off"), std::string::npos)
+      << facts.notes.front();
+}
+
 // A camera whose gain falls with the light by a third: the standard's figure lies between.
 TEST(PhotometryStack, TheGainOfAModelIsThatOfItsFrames) {
   const Camera camera{.k2 = -0.2};
