@@ -309,7 +309,7 @@ std::shared_ptr<const EffectDefinition> expression_effect(const std::string& nam
         };
         // What is nearly a variable's name is that one misspelt, of which Formula reports.
         const bool misspelt =
-            !stage.has("q") && suggestion_for(used, inputs).starts_with(", did you mean");
+            !stage.has("q") && near_name(used, inputs) != nullptr;
         if (!known(inputs) && !known(parameter_names) && !misspelt)
           effect->columns.push_back(used), inputs.push_back(used);
         if (inputs.size() > kMostInputs)

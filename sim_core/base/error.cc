@@ -28,17 +28,23 @@ size_t edit_distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-std::string suggestion_for(std::string_view unknown, const std::vector<std::string>& known) {
-  if (known.empty()) return "";
+const std::string* near_name(std::string_view unknown, const std::vector<std::string>& known) {
   const auto nearest =
       std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
         return edit_distance(unknown, a) < edit_distance(unknown, b);
       });
+  if (nearest == known.end()) return nullptr;
   const size_t distance = edit_distance(unknown, *nearest);
   // Of a short word most letters must agree, or each other short word would be near.
-  if (distance <= std::max<size_t>(2, unknown.size() / 2) && 2 * distance <= nearest->size()) {
-    return fmt::format(", did you mean '{}'?", *nearest);
-  }
+  const bool near =
+      distance <= std::max<size_t>(2, unknown.size() / 2) && 2 * distance <= nearest->size();
+  return near ? &*nearest : nullptr;
+}
+
+std::string suggestion_for(std::string_view unknown, const std::vector<std::string>& known) {
+  if (known.empty()) return "";
+  if (const std::string* near = near_name(unknown, known))
+    return fmt::format(", did you mean '{}'?", *near);
   return fmt::format(", known: {}", fmt::join(known, ", "));
 }
 

@@ -25,6 +25,9 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// The known name that the given one misspells; null: none is near.
+const std::string* near_name(std::string_view unknown, const std::vector<std::string>& known);
+
 // ", did you mean 'x'?" for the known name nearest to the given one, or the list of known names
 // when none is near.
 std::string suggestion_for(std::string_view unknown, const std::vector<std::string>& known);
