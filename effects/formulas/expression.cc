@@ -308,8 +308,7 @@ std::shared_ptr<const EffectDefinition> expression_effect(const std::string& nam
           return std::find(list.begin(), list.end(), used) != list.end();
         };
         // What is nearly a variable's name is that one misspelt, of which Formula reports.
-        const bool misspelt =
-            !stage.has("q") && near_name(used, inputs) != nullptr;
+        const bool misspelt = !stage.has("q") && near_name(used, inputs) != nullptr;
         if (!known(inputs) && !known(parameter_names) && !misspelt)
           effect->columns.push_back(used), inputs.push_back(used);
         if (inputs.size() > kMostInputs)
