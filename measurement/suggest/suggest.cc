@@ -40,8 +40,11 @@ std::optional<Suggestion> suggest(const Problem& problem, const Grown& beside,
   if (kind == effects::Kind{}) return std::nullopt;  // A set made for tests.
   const auto stages = vocabularies(kind, beside.assessment.model, varying_columns(problem));
   std::optional<Formula> best;
+  // What an earlier stage gives is a rival, too.
   for (const Vocabulary& vocabulary : stages) {
-    auto formula = formula_of(problem, beside.assessment, rival, vocabulary);
+    const bool leads = best && (rival == nullptr || best->assessment.error < rival->error);
+    auto formula =
+        formula_of(problem, beside.assessment, leads ? &best->assessment : rival, vocabulary);
     if (formula && (!best || formula->merit > best->merit)) best = std::move(formula);
   }
   if (!best) return std::nullopt;
