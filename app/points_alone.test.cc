@@ -136,7 +136,7 @@ TEST(PointsAloneOfARobot, AreRefusedWhereTheyAreTheCameras) {
     camera.model_yaml = base + effect->name + ": {}\n";
     EXPECT_EQ(models_of(scenario).front().effects().size(), 1u) << effect->name;
   }
-  EXPECT_EQ(refused, 3u);
+  EXPECT_EQ(refused, 4u);
 }
 
 TEST(PointsAloneAtTheDoor, ADetectorOfCornersThatSaysToActOnImagesIsRefused) {

@@ -123,8 +123,9 @@ std::string steps_text(const SearchResult& result) {
                                 fmt::join(sure, ", "), sure.size() == 1 ? "is" : "are",
                                 sure.size() == 1 ? "it" : most->effect, two_digits(most->moved)));
   if (!untold.empty())
-    parts.push_back(fmt::format("{} {} in the model for the others alone: the data tell no value",
-                                fmt::join(untold, ", "), untold.size() == 1 ? "is" : "are"));
+    parts.push_back(
+        fmt::format("{} {} in the model for the others alone: the data determine no value of it",
+                    fmt::join(untold, ", "), untold.size() == 1 ? "is" : "are"));
   if (!doubtful.empty())
     parts.push_back(fmt::format("{} fits best, which establishes no cause: look for another",
                                 fmt::join(doubtful, " with ")));

@@ -158,7 +158,7 @@ TEST(Headline, CallsNothingMissingOfWhichTheDataTellNoValue) {
   const std::string told = headline(room, result, 0);
   EXPECT_NE(
       told.find("What matters: flex is missing; it moves predictions by 3 x noise; warp is in "
-                "the model for the others alone: the data tell no value"),
+                "the model for the others alone: the data determine no value of it"),
       std::string::npos)
       << told;
 }
