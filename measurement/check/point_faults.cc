@@ -10,6 +10,7 @@
 #include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/robust.h"
 #include "measurement/sets/pose_of_view.h"
+#include "measurement/sets/rig_keys.h"
 
 namespace seam::measurement {
 namespace {
@@ -73,7 +74,7 @@ void tell_stamps(const MeasurementSet& set, const CsvTable& table, const std::ve
                     "(read-out times are the model's)",
                     first, unlike));
   const auto rig = set.root.find("rig");
-  if (!rig || !rig->has("motion") || rig->at("motion").text() != "spline") return;
+  if (!rig || !rig->is_map() || !rig->has("motion") || rig->at("motion").text() != "spline") return;
   std::map<std::pair<std::string, int64_t>, const View*> at;
   for (const View& view : views) {
     const size_t row = view.rows.front();
@@ -123,7 +124,7 @@ void point_faults(const MeasurementSet& set, std::vector<std::string>& found) {
   const Numbers u = table.numbers("u_px"), v = table.numbers("v_px");
   const Numbers x = table.numbers("x_m"), y = table.numbers("y_m"), z = table.numbers("z_m");
   const bool flat = std::all_of(z.begin(), z.end(), [](double value) { return value == 0; });
-  const bool held_before_it = set.root.has("rig") && set.root.at("rig").has("pose");
+  const bool held_before_it = has_unknown_poses(set.root);
   tell_units(set, table, held_before_it, found);
   const auto views = views_of(table, set.group);
   tell_stamps(set, table, views, found);

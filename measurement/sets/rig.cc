@@ -55,8 +55,7 @@ std::vector<double> log_seconds(const CsvTable& table, const std::string& column
 Rig Rig::from_set(const MeasurementSet& set) {
   Rig rig;
   const ConfigNode node = set.root.at("rig");
-  RigKeys keys;
-  read_config(node, [&](ConfigTable& table) { describe_rig(table, keys); });
+  const RigKeys keys = rig_keys_of(node);
   rig.path_ = static_cast<Path>(keys.motion);
   rig.knot_s_ = keys.knot_s;
   if (keys.has_chain) {

@@ -32,7 +32,7 @@ class Rig {
  public:
   enum class Type { chain, poses, unknown };
   // How unknown poses follow each other.
-  enum class Path { still, constant_velocity, spline };
+  enum class Path { still, constant_velocity, spline, beside_gyroscope };
 
   // Reads `rig:` and the logs it needs. Throws InputError.
   static Rig from_set(const MeasurementSet& set);

@@ -40,14 +40,31 @@ void describe_rig(ConfigTable& table, RigKeys& rig) {
   table.require(rig.has_chain + !rig.poses.empty() + (pose == 0) == 1, "pose",
                 "expected one of chain, poses, pose: unknown");
   table.choice({"motion",
-                "Of unknown poses: each view stands still, has a velocity of its own, or "
-                "all lie on one smooth path."},
+                "Of unknown poses: each view stands still, has a velocity of its own, all lie on "
+                "one smooth path, or each turns as the gyroscope of the table imu says."},
                rig.motion, kMotions);
   table.number({"knot_s", "Of motion: spline: seconds from knot to knot; 0: 2.5 frame periods."},
                rig.knot_s, {.min = 0, .max = 3600});
   table.require(rig.motion == 0 || pose == 0, "motion", "expected only beside pose: unknown");
   table.require(rig.knot_s == 0 || rig.motion == 2, "knot_s",
                 "expected only beside motion: spline");
+}
+
+RigKeys rig_keys_of(const ConfigNode& rig) {
+  RigKeys keys;
+  if (rig.is_scalar() && rig.text() == kRigBesideGyroscope) {
+    keys.motion = kMotions.size() - 1;
+    return keys;
+  }
+  if (!rig.is_map())
+    rig.fail(fmt::format("expected a map of keys to values, or the word {}", kRigBesideGyroscope));
+  read_config(rig, [&](ConfigTable& table) { describe_rig(table, keys); });
+  return keys;
+}
+
+bool has_unknown_poses(const ConfigNode& set) {
+  const auto rig = set.find("rig");
+  return rig && (!rig->is_map() || rig->has("pose"));
 }
 
 void describe_rig_keys(ConfigTable& table) {

@@ -20,7 +20,9 @@ struct RigLink {
 };
 
 // How unknown poses follow each other.
-inline const std::vector<std::string> kMotions = {"still", "constant_velocity", "spline"};
+inline const std::vector<std::string> kMotions = {"still", "constant_velocity", "spline", "imu"};
+// `rig: imu` is short for `rig: {pose: unknown, motion: imu}`.
+inline constexpr const char* kRigBesideGyroscope = "imu";
 
 struct RigKeys {
   std::vector<RigLink> chain;
@@ -31,6 +33,10 @@ struct RigKeys {
 };
 
 void describe_rig(ConfigTable& table, RigKeys& rig);
+// Reads `rig:` of a set, which is a map or a word.
+RigKeys rig_keys_of(const ConfigNode& rig);
+// Whether each frame's pose is estimated.
+bool has_unknown_poses(const ConfigNode& set);
 // For who needs the keys alone.
 void describe_rig_keys(ConfigTable& table);
 

@@ -74,7 +74,14 @@ void describe_set(ConfigTable& table, MeasurementSet& set) {
   set.group = effects::kinds()[kind].group;
   table.text({"group", "The column whose groups are held out whole."}, set.group);
   table.texts_by_name({"files", "The set's tables by name, in the folder.", true}, set.files);
-  table.elsewhere({"rig", "Of points and frames: where the camera is."}, describe_rig_keys);
+  const ConfigKey rig = {"rig",
+                         "Of points and frames: where the camera is; imu is short for "
+                         "{pose: unknown, motion: imu}."};
+  // A schema says that a word may stand for the map.
+  if (table.names_alternatives())
+    table.file_or_object(rig, describe_rig_keys);
+  else
+    table.elsewhere(rig, describe_rig_keys);
   std::string joint, scene, detector, colour_table;
   table.text({"joint", "Of joints: the one whose rows are read; left out: all."}, joint);
   table.text({"scene", "Of frames and ranges: a seam-scene/1 file in the folder."}, scene);

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "measurement/kinds/imu/imu_data.h"
-#include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
 #include "sim_core/body/turn.h"
@@ -18,34 +16,9 @@ namespace {
 // one.
 constexpr double kMostApart_s = 1;
 constexpr double kMostTurn_rad = 2.5;
-// Steps of the sensor's time longer than so many usual ones are gaps.
-constexpr double kCameraGap = 3;
 // No attitude is known better, and none worse says anything of a turn.
 constexpr double kLeastSigma_rad = 1e-9, kMostSigma_rad = 1;
 constexpr double kMostExposure_s = 100;
-
-void read_gyroscope(const MeasurementSet& set, CameraData& data, int64_t& first_ns) {
-  const CsvTable table = set.table("imu");
-  std::vector<std::vector<double>> columns;
-  for (size_t axis = 0; axis < 3; ++axis) {
-    if (!table.has(kImuColumns[axis]))
-      throw InputError(fmt::format("{}: found no column {}, expected a gyroscope's {}, {}, {}",
-                                   table.file(), kImuColumns[axis], kImuColumns[0], kImuColumns[1],
-                                   kImuColumns[2]));
-    columns.push_back(table.numbers(kImuColumns[axis]));
-  }
-  const std::vector<int64_t> time_ns = table.times_ns("time_s");
-  if (table.has(kImuWarmth)) data.temperature_c = table.numbers(kImuWarmth);
-  if (table.rows() < kLeastSamples)
-    throw InputError(fmt::format("{}: found {} samples, expected {} or more", table.file(),
-                                 table.rows(), kLeastSamples));
-  first_ns = time_ns.front();
-  for (size_t row = 0; row < table.rows(); ++row) {
-    expect_later(table, time_ns, row);
-    data.at_s.push_back(1e-9 * static_cast<double>(time_ns[row] - first_ns));
-    data.rate_radps.emplace_back(columns[0][row], columns[1][row], columns[2][row]);
-  }
-}
 
 std::vector<Vec3> variances_of(const CsvTable& table) {
   std::vector<Vec3> variances(table.rows());
@@ -97,13 +70,7 @@ void read_views(const CsvTable& table, int64_t first_ns, CameraData& data) {
 
 // Whether the gyroscope reads without a gap around both views, whatever the offset.
 bool covers(const CameraData& data, double usual_s, double from_s, double to_s) {
-  const std::vector<double>& at = data.at_s;
-  const double early_s = from_s - kMostOffset_s, late_s = to_s + kMostOffset_s;
-  if (early_s < at.front() || late_s > at.back()) return false;
-  auto i = static_cast<size_t>(std::upper_bound(at.begin(), at.end(), early_s) - at.begin());
-  for (; i < at.size() && at[i - 1] < late_s; ++i)
-    if (at[i] - at[i - 1] > kCameraGap * usual_s) return false;
-  return true;
+  return reads_all(data, usual_s, from_s - kMostOffset_s, to_s + kMostOffset_s);
 }
 
 // The inverse of the right Jacobian of a turn's vector.
@@ -123,11 +90,9 @@ Eigen::Matrix3d added_by_turns_behind(const Vec3& turn) {
 CameraData read_camera(const MeasurementSet& set) {
   CameraData data;
   int64_t first_ns = 0;
-  read_gyroscope(set, data, first_ns);
+  static_cast<Gyroscope&>(data) = read_gyroscope(set, first_ns);
   read_views(set.table("attitudes"), first_ns, data);
-  std::vector<double> steps;
-  for (size_t i = 1; i < data.at_s.size(); ++i) steps.push_back(data.at_s[i] - data.at_s[i - 1]);
-  const double usual_s = median_of(steps);
+  const double usual_s = usual_step_s(data);
   std::vector<char> met(data.views.size(), 0);
   for (size_t i = 1; i < data.views.size(); ++i) {
     const AttitudeView &from = data.views[i - 1], &to = data.views[i];
@@ -150,52 +115,6 @@ CameraData read_camera(const MeasurementSet& set) {
         set.file("attitudes").string(), data.turns.size(), kMostApart_s, kMostOffset_s,
         kMostOffset_s, kLeastTurns, kMostOffset_s));
   return data;
-}
-
-GyroPath::GyroPath(const CameraData& data, const effects::Inertial& inertial) : data_(&data) {
-  const auto read = [&](const Vec3& rate, size_t sample) {
-    const double warmth =
-        data.temperature_c.empty() ? effects::kBiasAt_c : data.temperature_c[sample];
-    return effects::measured_by(inertial, {.rate_radps = rate}, warmth).rate_radps;
-  };
-  // Readings are linear in the rate.
-  Mat3 by_rate;
-  const Vec3 none = read(Vec3(0.0), 0);
-  for (int axis = 0; axis < 3; ++axis) {
-    Vec3 one(0.0);
-    one[axis] = 1;
-    by_rate[axis] = read(one, 0) - none;
-  }
-  const Mat3 back = glm::inverse(by_rate);
-  rate_.resize(data.at_s.size());
-  R_0I_.assign(data.at_s.size(), Mat3(1.0));
-  for (size_t i = 0; i < data.at_s.size(); ++i) {
-    rate_[i] = back * (data.rate_radps[i] - read(Vec3(0.0), i));
-    if (i == 0) continue;
-    const double step_s = data.at_s[i] - data.at_s[i - 1];
-    R_0I_[i] = R_0I_[i - 1] * rotation_by(0.5 * step_s * (rate_[i - 1] + rate_[i]));
-  }
-}
-
-size_t GyroPath::before(double at_s) const {
-  const std::vector<double>& at = data_->at_s;
-  const auto next = static_cast<size_t>(std::upper_bound(at.begin(), at.end(), at_s) - at.begin());
-  return std::clamp<size_t>(next, 1, at.size() - 1) - 1;
-}
-
-Vec3 GyroPath::rate(double at_s) const {
-  const size_t i = before(at_s);
-  const double share = (at_s - data_->at_s[i]) / (data_->at_s[i + 1] - data_->at_s[i]);
-  return rate_[i] + share * (rate_[i + 1] - rate_[i]);
-}
-
-Mat3 GyroPath::attitude(double at_s) const {
-  const size_t i = before(at_s);
-  return R_0I_[i] * rotation_by(0.5 * (at_s - data_->at_s[i]) * (rate_[i] + rate(at_s)));
-}
-
-Vec3 GyroPath::turn(double from_s, double to_s) const {
-  return turn_of(glm::transpose(attitude(from_s)) * attitude(to_s));
 }
 
 }  // namespace seam::measurement

@@ -4,8 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "effects/stages/inertial/inertial.h"
-#include "measurement/sets/set.h"
+#include "measurement/gyro/gyroscope.h"
 #include "sim_core/base/pose.h"
 
 namespace seam::measurement {
@@ -29,37 +28,15 @@ struct CameraTurn {
   Eigen::Matrix3d by_to, by_from;  // The second with the sign turned about.
 };
 
-struct CameraData {
+// The gyroscope and the views beside it.
+struct CameraData : Gyroscope {
   std::vector<AttitudeView> views;
   std::vector<CameraTurn> turns;  // In the order of time, those that the gyroscope covers.
   bool knows_exposure = false;    // And it differs from view to view.
   size_t left = 0;                // Views that are in no turn.
-  // Of the gyroscope.
-  std::vector<double> at_s;
-  std::vector<Vec3> rate_radps;
-  std::vector<double> temperature_c;  // Empty: not logged.
 };
 
 // Reads and checks imu.csv and attitudes.csv.
 CameraData read_camera(const MeasurementSet& set);
-
-// How the sensor turned, by its readings and by what a model says is wrong with them.
-class GyroPath {
- public:
-  GyroPath(const CameraData& data, const effects::Inertial& inertial);
-
-  // From one time to another, in the sensor's axes at the first.
-  Vec3 turn(double from_s, double to_s) const;
-  // The true rate at a time.
-  Vec3 rate(double at_s) const;
-
- private:
-  size_t before(double at_s) const;
-  Mat3 attitude(double at_s) const;
-
-  const CameraData* data_;
-  std::vector<Vec3> rate_;  // What was true, at each sample.
-  std::vector<Mat3> R_0I_;  // The sensor's axes then in those at the first sample.
-};
 
 }  // namespace seam::measurement

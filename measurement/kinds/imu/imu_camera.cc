@@ -16,12 +16,6 @@ namespace {
 
 constexpr size_t kCameraParts = 10;  // Of the recording, that are held out in turn or together.
 
-bool moves_rates(const effects::InertialSensor& gyro) {
-  const effects::Triad none{};
-  return gyro.bias != none || gyro.per_k != none || gyro.scale != none ||
-         gyro.cross != decltype(gyro.cross){};
-}
-
 Eigen::Matrix3d spread_of(const AttitudeView& view) {
   return Eigen::Vector3d(view.variance.x, view.variance.y, view.variance.z).asDiagonal();
 }

@@ -115,16 +115,6 @@ std::string ImuProblem::lacking(const effects::Inertial& by) const {
   return "";
 }
 
-effects::Inertial tried_alone(const EffectDefinition& effect, size_t parameter) {
-  std::vector<double> values;
-  for (const effects::Parameter& one : effect.parameters) values.push_back(one.neutral);
-  const effects::Parameter& tried = effect.parameters[parameter];
-  values[parameter] = tried.fit_reciprocal ? tried.scale : tried.neutral + tried.scale;
-  effects::Noise noise;
-  if (effect.noise) effect.noise(values, noise);
-  return noise.inertial;
-}
-
 std::string ImuProblem::not_testable(const Model& model, const EffectDefinition& effect,
                                      size_t parameter) const {
   if (effect.noise) {

@@ -141,12 +141,6 @@ void hold_last(std::vector<double>& values) {
 
 }  // namespace
 
-void expect_later(const CsvTable& table, const std::vector<int64_t>& time_ns, size_t row) {
-  if (row > 0 && time_ns[row] <= time_ns[row - 1])
-    table.fail(row, "time_s", table.cell(row, "time_s"),
-               "a later time than that of the row before");
-}
-
 Vec3 force_read(const ImuStretch& stretch) {
   return {stretch.mean[3], stretch.mean[4], stretch.mean[5]};
 }

@@ -1,29 +1,19 @@
 // A set of kind `imu` as it is read: stretches of even samples at one attitude and one rate.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "effects/stages/inertial/inertial.h"
+#include "measurement/gyro/gyroscope.h"
 #include "measurement/problem/problem.h"
-#include "measurement/sets/set.h"
 #include "sim_core/base/pose.h"
 
 namespace seam::measurement {
 
-// Axes are numbered: the gyroscope's x, y, z, then the accelerometer's.
-inline constexpr size_t kImuAxes = 6;
-inline constexpr std::array<const char*, kImuAxes> kImuColumns = {
-    "wx_radps", "wy_radps", "wz_radps", "ax_mps2", "ay_mps2", "az_mps2"};
 inline constexpr std::array<const char*, kImuAxes> kImuTruth = {"wx_true_radps", "wy_true_radps",
                                                                 "wz_true_radps", "ax_true_mps2",
                                                                 "ay_true_mps2",  "az_true_mps2"};
-inline constexpr const char* kImuWarmth = "temperature_c";
-
-// What a spectrum takes at least.
-inline constexpr size_t kLeastSamples = 64;
 
 struct ImuStretch {
   std::string group;  // Its run, or its own number where the set names none.
@@ -54,12 +44,6 @@ struct ImuData {
 
 // Throws InputError for a model with an effect that does not act on inertial sensors.
 void expect_inertial(const Problem& problem, const Model& model);
-
-// What the effect alone does at a typical size of one parameter, all others at neutral.
-effects::Inertial tried_alone(const EffectDefinition& effect, size_t parameter);
-
-// Throws InputError for a row of a table that is not later than the row before.
-void expect_later(const CsvTable& table, const std::vector<int64_t>& time_ns, size_t row);
 
 // Reads and checks imu.csv. `measured` false: a protocol, readings are not looked at.
 ImuData read_imu(const MeasurementSet& set, bool measured);

@@ -228,6 +228,7 @@ void PointsProblem::place(const Model& given) {
 void PointsProblem::check_model(const Model& model) const {
   check_columns(model, {effects::Stage::geometry, effects::Stage::corner_detector});
   check_cameras(model);
+  if (data_.gyroscope) check_offset(model);
   const effects::TargetShape target = effects::target_of(model);
   if (target.motion_sigma_rad > 0 && data_.rig.type() != Rig::Type::unknown)
     throw InputError(

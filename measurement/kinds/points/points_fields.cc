@@ -103,7 +103,7 @@ std::vector<std::vector<double>> PointsProblem::slopes_on_path(const Model& mode
   std::vector<std::vector<double>> slopes(3, std::vector<double>(facts_.scalars(), 0));
   const PathLayout layout = layout_of(all_groups());
   const PathAdjustment adjustment = path_adjustment(model, all_groups(), layout);
-  const RowCamera camera(model, data_.cameras);
+  const RowCamera camera(model, data_.cameras, data_.gyroscope.get());
   std::vector<Control> controls(layout.controls());
   if (!stored_path(data_, here.nuisance_values, controls)) return slopes;
   for (const PathSighting& point : adjustment.seen()) {

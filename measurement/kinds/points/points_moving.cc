@@ -72,7 +72,7 @@ void PointsProblem::choose_knots(const Model& model) {
   double chi2 = 0;
   for (size_t i = 0; i < facts_.scalars(); ++i)
     chi2 += still.used[i] ? still.whitened[i] * still.whitened[i] : 0;
-  RowCamera camera(model, data_.cameras);
+  RowCamera camera(model, data_.cameras, data_.gyroscope.get());
   for (RowClock& clock : camera.clocks) clock.line_delay_s = 0;
   for (const double periods : kPeriods) {
     knot_s_ = periods * period_s_;
@@ -92,6 +92,12 @@ void PointsProblem::remark_on_path(std::vector<std::string>& remarks) const {
   const auto& stretches = layout.stretches();
   const auto alone = std::count_if(stretches.begin(), stretches.end(),
                                    [](const Stretch& stretch) { return stretch.degree == 0; });
+  if (data_.gyroscope) {
+    remarks.push_back(
+        "each view turns as the gyroscope says while its rows are read, and moves by a velocity of "
+        "its own: turns about the optical axis tell the read-out time");
+    return;
+  }
   if (!on_path()) {
     remarks.push_back(
         "each view moves by a velocity of its own, of which only the product with a read-out time "
@@ -116,14 +122,24 @@ const std::vector<Groups>& PointsProblem::folds() const {
   return video_folds_.empty() ? Problem::folds() : video_folds_;
 }
 
+std::vector<double> PointsProblem::exposures_of_frames() const {
+  std::vector<double> exposure_s;
+  for (const std::vector<int>& rows : data_.rows_of_frame) {
+    if (data_.exposure_s.empty()) break;
+    exposure_s.push_back(data_.exposure_s[static_cast<size_t>(rows.front())]);
+  }
+  return exposure_s;
+}
+
 PathLayout PointsProblem::layout_of(const Groups& groups) const {
   std::vector<char> takes_part_here;
   for (const std::vector<int>& rows : data_.rows_of_frame)
     takes_part_here.push_back(
         groups[static_cast<size_t>(facts_.group_of_row[rows.front()])] &&
         std::any_of(rows.begin(), rows.end(), [&](int row) { return takes_part(row); }));
-  return on_path() ? PathLayout(frame_stamp_s_, takes_part_here, knot_s_)
-                   : PathLayout::alone(frame_stamp_s_, takes_part_here, knot_s_);
+  return on_path()
+             ? PathLayout(frame_stamp_s_, takes_part_here, knot_s_)
+             : PathLayout::alone(frame_stamp_s_, takes_part_here, knot_s_, exposures_of_frames());
 }
 
 PathAdjustment PointsProblem::path_adjustment(const Model& model, const Groups& groups,
@@ -151,18 +167,22 @@ bool PointsProblem::start_path(const Evaluation& still, const PathLayout& layout
 
 void PointsProblem::tell_path(const Model& model, const PathLayout& layout,
                               Evaluation& evaluation) const {
-  const RowCamera camera(model, data_.cameras);
+  const RowCamera camera(model, data_.cameras, data_.gyroscope.get());
   std::vector<Control> controls(layout.controls());
   stored_controls(evaluation.nuisance_values, controls);
   // Of a view that is read out at once no velocity shows.
   const bool at_once = !on_path() && camera.clocks.front().line_delay_s == 0;
   evaluation.nuisances =
       6 * static_cast<int64_t>(at_once ? layout.stretches().size() : layout.controls());
+  // The second control of a view beside a gyroscope has a place alone.
+  if (camera.turns && !at_once)
+    evaluation.nuisances -= 3 * static_cast<int64_t>(layout.stretches().size());
   const double middle_s = 0.5 * camera.clocks.front().line_delay_s * data_.camera.height_px;
   for (size_t frame = 0; frame < data_.rows_of_frame.size(); ++frame) {
     if (!layout.takes_part(frame)) continue;
-    const PathPoint at = path_at(layout.of_frame(frame), controls, frame_stamp_s_[frame] + middle_s,
-                                 /*with_slopes=*/false);
+    const PathPoint at =
+        point_on_path(camera, layout.of_frame(frame), controls, frame_stamp_s_[frame] + middle_s,
+                      /*with_slopes=*/false);
     store_pose({at.R, at.middle_C - at.R * data_.target.middle_W}, frame,
                evaluation.nuisance_values);
   }
@@ -172,7 +192,7 @@ Evaluation PointsProblem::evaluate_moving(const Model& model, const Groups& grou
                                           const Evaluation* warm) const {
   const PathLayout layout = layout_of(groups);
   const PathAdjustment adjustment = path_adjustment(model, groups, layout);
-  const RowCamera camera(model, data_.cameras);
+  const RowCamera camera(model, data_.cameras, data_.gyroscope.get());
   Evaluation evaluation = blank();
   std::vector<Control> controls(layout.controls());
   bool found = warm && warm->valid && stored_path(data_, warm->nuisance_values, controls) &&
@@ -209,14 +229,14 @@ std::vector<std::vector<double>> PointsProblem::jacobian_moving(
                                            std::vector<double>(facts_.scalars(), 0));
   const PathLayout layout = layout_of(groups);
   const PathAdjustment adjustment = path_adjustment(model, groups, layout);
-  const RowCamera camera(model, data_.cameras);
+  const RowCamera camera(model, data_.cameras, data_.gyroscope.get());
   std::vector<Control> controls(layout.controls());
   if (!stored_path(data_, here.nuisance_values, controls)) return columns;
   const MovedModels moved(model, unknowns);
   const std::vector<PathSighting>& seen = adjustment.seen();
   for (size_t p = 0; p < unknowns.size(); ++p) {
     const PathAdjustment there = path_adjustment(moved.models[p], groups, layout);
-    const RowCamera moved_camera(moved.models[p], data_.cameras);
+    const RowCamera moved_camera(moved.models[p], data_.cameras, data_.gyroscope.get());
     for (size_t i = 0; i < seen.size(); ++i) {
       Eigen::Vector2d before, after;
       if (!adjustment.image(camera, controls, seen[i], before) ||
@@ -236,7 +256,7 @@ std::vector<std::vector<double>> PointsProblem::following_moving(
     std::vector<std::vector<double>> columns) const {
   const PathLayout layout = layout_of(groups);
   const PathAdjustment adjustment = path_adjustment(model, groups, layout);
-  const RowCamera camera(model, data_.cameras);
+  const RowCamera camera(model, data_.cameras, data_.gyroscope.get());
   std::vector<Control> controls(layout.controls());
   const std::vector<PathSighting>& seen = adjustment.seen();
   Eigen::MatrixXd all(2 * static_cast<Eigen::Index>(seen.size()),

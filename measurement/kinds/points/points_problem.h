@@ -47,6 +47,10 @@ class PointsProblem : public Problem, public HasViews {
   // The place within a pixel, and the target's points.
   std::vector<FieldPlace> field_places(const Model& model, const Evaluation& here) const override;
   bool is_smooth(const Model&) const override { return true; }
+  // Beside a gyroscope what its readings and its place have wrong, too.
+  bool acts(const EffectDefinition& effect) const override;
+  std::string not_testable(const Model& model, const EffectDefinition& effect,
+                           size_t parameter) const override;
   std::vector<std::vector<double>> starts(const Model& model,
                                           const EffectDefinition& effect) const override;
   bool groups_are_independent(const Model& model) const override;
@@ -134,8 +138,10 @@ class PointsProblem : public Problem, public HasViews {
   }
   bool on_path() const { return moves() && data_.rig.path() == Rig::Path::spline; }
   void state_motion();
+  void check_offset(const Model& model) const;  // points_gyroscope.cc
   void choose_knots(const Model& model);
   void remark_on_path(std::vector<std::string>& remarks) const;
+  std::vector<double> exposures_of_frames() const;
   PathLayout layout_of(const Groups& groups) const;
   PathAdjustment path_adjustment(const Model& model, const Groups& groups, const PathLayout& layout,
                                  bool all = false) const;

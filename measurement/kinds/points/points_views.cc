@@ -37,7 +37,7 @@ std::vector<PlacedView> PointsProblem::placed_views(const Model& model) const {
         facts_.file));
   const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
   const Cameras cameras(model, data_.cameras);
-  const RowCamera camera(model, data_.cameras);
+  const RowCamera camera(model, data_.cameras, data_.gyroscope.get());
   const std::vector<Vec3> places_W = places_of_rows(data_, effects::target_of(model));
   const double middle_s = 0.5 * camera.clocks.front().line_delay_s * data_.camera.height_px;
   std::vector<PlacedView> views;

@@ -27,7 +27,7 @@ double over_spread(double value, double spread) {
 
 TargetAdjustment::Compiled::Compiled(const PointsData& data, const Model& model)
     : shape(effects::target_of(model)),
-      camera(model, data.cameras),
+      camera(model, data.cameras, data.gyroscope.get()),
       places_W(places_of_rows(data, shape)) {
   if (data.rig.type() != Rig::Type::unknown)
     predictor = std::make_shared<const PointsPredictor>(data, model);

@@ -184,6 +184,30 @@ void read_exposures(const CsvTable& table, PointsData& data) {
   }
 }
 
+// The gyroscope has to read while any row of a view may be read.
+void read_gyroscope_beside(const MeasurementSet& set, const CsvTable& table, PointsData& data) {
+  if (!set.has_file("imu"))
+    set.root.at("files").fail(
+        "found no table imu, expected one with the gyroscope's readings beside rig: imu (motion: "
+        "imu): files: {points: points.csv, imu: imu.csv}");
+  auto beside = std::make_shared<GyroscopeBeside>();
+  int64_t first_ns = 0;
+  beside->readings = read_gyroscope(set, first_ns);
+  beside->first_s = 1e-9 * static_cast<double>(first_ns - data.rig.reference_ns());
+  const double usual_s = usual_step_s(beside->readings);
+  for (size_t row = 0; row < table.rows(); ++row) {
+    const double from_s = data.stamp_s[row] - beside->first_s;
+    if (reads_all(beside->readings, usual_s, from_s, from_s + data.camera.frame_period_s)) continue;
+    table.fail(
+        row, "time_s", table.cell(row, "time_s"),
+        fmt::format("a view during which {} reads without a gap, {:.3f} s to {:.3f} s: leave "
+                    "out the views that it does not cover",
+                    set.file("imu").filename().string(), 1e-9 * static_cast<double>(first_ns),
+                    1e-9 * static_cast<double>(first_ns) + beside->readings.at_s.back()));
+  }
+  data.gyroscope = std::move(beside);
+}
+
 // Cameras on one rig, in the order in which the table names them.
 void read_cameras(const CsvTable& table, PointsData& data) {
   std::vector<std::string> names = {""};
@@ -220,10 +244,8 @@ PointsData read_points(const MeasurementSet& set, Rig rig, bool measured, Facts&
   facts.width_px = data.camera.width_px, facts.height_px = data.camera.height_px;
   facts.file = table.file();
   const std::vector<int64_t> ns = table.times_ns("time_s");
-  if (data.rig.type() == Rig::Type::unknown || data.rig.reference_ns() == 0) {
-    if (data.rig.type() == Rig::Type::unknown)
-      data.rig.set_reference_ns(*std::min_element(ns.begin(), ns.end()));
-  }
+  if (data.rig.type() == Rig::Type::unknown)
+    data.rig.set_reference_ns(*std::min_element(ns.begin(), ns.end()));
   const std::vector<double> x = table.numbers("x_m"), y = table.numbers("y_m"),
                             z = table.numbers("z_m");
   data.u_px = measured ? table.numbers("u_px") : std::vector<double>(table.rows(), 0);
@@ -254,6 +276,8 @@ PointsData read_points(const MeasurementSet& set, Rig rig, bool measured, Facts&
       facts.channel_of.push_back(channel);
     }
   }
+  if (data.rig.type() == Rig::Type::unknown && data.rig.path() == Rig::Path::beside_gyroscope)
+    read_gyroscope_beside(set, table, data);
   std::vector<std::string> names;
   data.point_of_row = number_groups(table.texts("point"), names);
   if (!set.target.empty()) {

@@ -1,9 +1,11 @@
 // The observations of a `points` set as read from its files.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "measurement/gyro/gyroscope.h"
 #include "measurement/kinds/points/target/cameras.h"
 #include "measurement/kinds/points/target/target_frame.h"
 #include "measurement/problem/problem.h"
@@ -19,7 +21,8 @@ struct PointsData {
   std::vector<int> camera_of_row;
   std::vector<double> stamp_s;     // By row, since the reference.
   std::vector<double> exposure_s;  // By row, of its frame. Empty: the table has none.
-  std::vector<Vec3> p_W;           // By the set's plan.
+  std::shared_ptr<const GyroscopeBeside> gyroscope;  // Null: there is none.
+  std::vector<Vec3> p_W;                             // By the set's plan.
   Target target;
   std::vector<int> point_of_row;
   std::vector<double> u_px, v_px;  // Observed; zero in a protocol without measured columns.

@@ -63,7 +63,8 @@ PathLayout::PathLayout(const std::vector<double>& stamp_s, const std::vector<cha
 }
 
 PathLayout PathLayout::alone(const std::vector<double>& stamp_s,
-                             const std::vector<char>& takes_part, double step_s) {
+                             const std::vector<char>& takes_part, double step_s,
+                             const std::vector<double>& exposure_s) {
   PathLayout layout;
   layout.stretch_of_frame_.assign(stamp_s.size(), -1);
   for (size_t frame = 0; frame < stamp_s.size(); ++frame) {
@@ -73,7 +74,8 @@ PathLayout PathLayout::alone(const std::vector<double>& stamp_s,
                                  .step_s = step_s,
                                  .degree = 1,
                                  .first = layout.controls_,
-                                 .controls = 2});
+                                 .controls = 2,
+                                 .exposure_s = exposure_s.empty() ? 0 : exposure_s[frame]});
     layout.controls_ += 2;
   }
   return layout;
@@ -139,6 +141,25 @@ PathPoint path_at(const Stretch& stretch, const std::vector<Control>& controls, 
     cross << 0, -r.z(), r.y(), r.z(), 0, -r.x(), -r.y(), r.x(), 0;
     point.turn_by_control[j] = w.weight[j] / length * (r.w() * Eigen::Matrix3d::Identity() - cross);
   }
+  return point;
+}
+
+PathPoint turning_path_at(const ReadTurns& turns, const Stretch& stretch,
+                          const std::vector<Control>& controls, double t_s, bool with_slopes) {
+  PathPoint point{.weights = weights_at(stretch, t_s)};
+  const Control &first = controls[stretch.first], &second = controls[stretch.first + 1];
+  const double* weight = point.weights.weight;
+  const Mat3 turned = turns.between(stretch.from_s, t_s, stretch.exposure_s);
+  point.R = turned * rotation_from_quaternion(first.q[0], first.q[1], first.q[2], first.q[3]);
+  point.middle_C = turned * (weight[0] * first.middle_C + weight[1] * second.middle_C);
+  if (!with_slopes) return point;
+  const double* rate = point.weights.rate;
+  point.turning = turns.rate(t_s, stretch.exposure_s);
+  point.moving = glm::cross(point.turning, point.middle_C) +
+                 turned * (rate[0] * first.middle_C + rate[1] * second.middle_C);
+  for (int c = 0; c < 3; ++c) point.shift_by_shift.col(c) << turned[c].x, turned[c].y, turned[c].z;
+  point.turn_by_control[0] = point.shift_by_shift;
+  point.turn_by_control[1].setZero();
   return point;
 }
 

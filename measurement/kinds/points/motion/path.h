@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "measurement/gyro/read_turns.h"
 #include "sim_core/base/pose.h"
 
 namespace seam::measurement {
@@ -14,6 +15,7 @@ struct Stretch {
   double from_s = 0, step_s = 1;  // Seconds since the reference; from knot to knot.
   int degree = 3;                 // Fewer frames than a cubic needs have a lower degree.
   size_t first = 0, controls = 0;
+  double exposure_s = 0;  // Of a frame by itself, where it is known.
 };
 
 // Which frames make a stretch, and how many controls each has. Frames further apart than the
@@ -23,9 +25,9 @@ class PathLayout {
   // Stamps of the frames that take part, in seconds; frames by number.
   PathLayout(const std::vector<double>& stamp_s, const std::vector<char>& takes_part,
              double knot_s);
-  // Each frame by itself with a velocity of its own.
+  // Each frame by itself with a velocity of its own. Exposures by frame, or none.
   static PathLayout alone(const std::vector<double>& stamp_s, const std::vector<char>& takes_part,
-                          double step_s);
+                          double step_s, const std::vector<double>& exposure_s = {});
 
   size_t controls() const { return controls_; }
   const std::vector<Stretch>& stretches() const { return stretches_; }
@@ -61,9 +63,15 @@ struct PathPoint {
   Vec3 middle_C{0.0};
   Vec3 turning{0.0}, moving{0.0};  // Per second, in the camera's axes.
   Eigen::Matrix3d turn_by_control[4];
+  Eigen::Matrix3d shift_by_shift = Eigen::Matrix3d::Identity();  // Over the control's weight.
 };
 PathPoint path_at(const Stretch& stretch, const std::vector<Control>& controls, double t_s,
                   bool with_slopes);
+
+// The same of a frame by itself, which turns as a gyroscope says: the first control has the
+// rotation, and both have a place, in the camera's axes when the stretch begins.
+PathPoint turning_path_at(const ReadTurns& turns, const Stretch& stretch,
+                          const std::vector<Control>& controls, double t_s, bool with_slopes);
 
 // Controls among the nuisances of an evaluation: they are the last of these, each so many numbers.
 constexpr size_t kControlNumbers = 7;

@@ -8,8 +8,10 @@ namespace seam::measurement {
 
 using Eigen::Vector2d;
 
-RowCamera::RowCamera(const effects::Model& model, const std::vector<CameraView>& views)
-    : cameras(model, views) {
+RowCamera::RowCamera(const effects::Model& model, const std::vector<CameraView>& views,
+                     const GyroscopeBeside* beside)
+    : cameras(model, views),
+      turns(beside == nullptr ? nullptr : std::make_shared<const ReadTurns>(*beside, model)) {
   double first_s = 0;
   for (const CameraView& view : views) {
     const effects::Timing timing = effects::timing_of(model_of(model, view.name));
@@ -17,6 +19,12 @@ RowCamera::RowCamera(const effects::Model& model, const std::vector<CameraView>&
     if (clocks.empty()) first_s = late_s;
     clocks.push_back({timing.line_delay_s, late_s - first_s});
   }
+}
+
+PathPoint point_on_path(const RowCamera& camera, const Stretch& stretch,
+                        const std::vector<Control>& controls, double t_s, bool with_slopes) {
+  return camera.turns ? turning_path_at(*camera.turns, stretch, controls, t_s, with_slopes)
+                      : path_at(stretch, controls, t_s, with_slopes);
 }
 
 namespace {
@@ -32,7 +40,8 @@ effects::ImagePoint seen_at(const RowCamera& camera, const Stretch& stretch,
   double v = point.v_px, previous_v = v, previous_f = 0;
   for (int step = 0; step < kSteps; ++step) {
     instant_s = point.stamp_s + clock.late_s + clock.line_delay_s * v;
-    const PathPoint path = path_at(stretch, controls, instant_s, /*with_slopes=*/false);
+    const PathPoint path =
+        point_on_path(camera, stretch, controls, instant_s, /*with_slopes=*/false);
     image = camera.cameras.project(path.R * point.p_T + path.middle_C, point.stamp_s, v,
                                    point.camera, point.columns);
     const double f = image.light_v - v;
@@ -61,7 +70,7 @@ bool look_on_path(const PathLayout& layout, const RowCamera& camera,
   double instant_s = 0;
   const effects::ImagePoint here = seen_at(camera, stretch, controls, point, instant_s);
   if (!here.visible) return false;
-  const PathPoint path = path_at(stretch, controls, instant_s, /*with_slopes=*/true);
+  const PathPoint path = point_on_path(camera, stretch, controls, instant_s, /*with_slopes=*/true);
   const Vec3 arm = path.R * point.p_T, p_C = arm + path.middle_C;
   Eigen::Matrix<double, 2, 3> by_C;
   const double h = 1e-6 * glm::length(p_C);
@@ -88,7 +97,8 @@ bool look_on_path(const PathLayout& layout, const RowCamera& camera,
   look.by_controls.setZero();
   for (int j = 0; j < path.weights.count; ++j) {
     look.by_controls.middleCols<3>(kControlUnknowns * j) = slopes * cross * path.turn_by_control[j];
-    look.by_controls.middleCols<3>(kControlUnknowns * j + 3) = path.weights.weight[j] * slopes;
+    look.by_controls.middleCols<3>(kControlUnknowns * j + 3) =
+        path.weights.weight[j] * slopes * path.shift_by_shift;
   }
   for (int axis = 0; axis < 3; ++axis)
     look.by_place.col(axis) =

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "measurement/kinds/points/motion/path.h"
@@ -29,10 +30,16 @@ struct RowClock {
 
 // The path has the frames' own clock: what delays all rows alike belongs to it.
 struct RowCamera {
-  RowCamera(const effects::Model& model, const std::vector<CameraView>& views);
+  // `beside`: null where no gyroscope says how the camera turns.
+  RowCamera(const effects::Model& model, const std::vector<CameraView>& views,
+            const GyroscopeBeside* beside);
   Cameras cameras;
-  std::vector<RowClock> clocks;  // By camera.
+  std::vector<RowClock> clocks;            // By camera.
+  std::shared_ptr<const ReadTurns> turns;  // Null: the controls say how it turns.
 };
+
+PathPoint point_on_path(const RowCamera& camera, const Stretch& stretch,
+                        const std::vector<Control>& controls, double t_s, bool with_slopes);
 
 constexpr Eigen::Index kControlUnknowns = 6;
 // Controls that no point tells of stay where they are: what holds one, of the largest that points
