@@ -164,7 +164,7 @@ inline constexpr int kFewHeldOut = 30;
 inline constexpr double kUnnamedWidth = kTieReach * kTieWidth;
 // Beside such a cause, or where something speaks against it, an effect imitates what smooth
 // functions can do where less than this share of what it takes is its own; a formula explains
-// nothing that takes less than this share of the squared error that they do. A judgement.
+// nothing that takes less than this share of the excess that they do. A judgement.
 inline constexpr double kOwnBesideUnnamed = 1.0 / 3;
 // Beside a cause without a name, an effect is missing for sure, and imitates nothing, where it
 // moves predictions by so many times what the cause does: what stands for a cause but for a tenth

@@ -232,12 +232,10 @@ bool leave_out_doubted(const Problem& problem, const KnownCauses& known, SearchR
 
 namespace {
 
-// Of the squared error, in units of the noise.
-double taken_by(const UnnamedCause& cause) {
-  return cause.error_before * cause.error_before - cause.error_after * cause.error_after;
-}
-double taken_by(const Suggestion& formula) {
-  return formula.error_before * formula.error_before - formula.error * formula.error;
+// Of what an error leaves beyond the noise: residuals that are means have errors of their own.
+double share_taken(double before, double after) {
+  const double excess = before * before - 1;
+  return excess > 0 ? std::min(1.0, (before * before - after * after) / excess) : 1;
 }
 
 }  // namespace
@@ -270,7 +268,9 @@ bool look_for_formula(const Problem& problem, const Progress& progress, const Kn
     const double lead = (found->log_evidence - named - merit_of(problem, last)) / misfit;
     if (!explains_better(lead, found->error, last, adds_means_alone(grown[place], last))) continue;
     if (result.unnamed && place == result.unnamed->beside &&
-        taken_by(*found) < kOwnBesideUnnamed * taken_by(*result.unnamed))
+        share_taken(found->error_before, found->error) <
+            kOwnBesideUnnamed *
+                share_taken(result.unnamed->error_before, result.unnamed->error_after))
       continue;
     // Of equals the one with the fewest effects.
     if (result.suggestion && lead < most + kTieWidth) continue;
