@@ -212,6 +212,24 @@ std::vector<std::string> CsvTable::extra_numeric_columns(
   return extra;
 }
 
+std::vector<std::string> CsvTable::incomplete_columns(const std::vector<std::string>& known) const {
+  std::vector<std::string> notes;
+  for (size_t column = 0; column < columns_.size(); ++column) {
+    if (std::find(known.begin(), known.end(), columns_[column]) != known.end()) continue;
+    double value = 0;
+    std::vector<size_t> bad;
+    for (size_t row = 0; row < rows_; ++row) {
+      if (!parse_number(at(row, column), value)) bad.push_back(row);
+    }
+    if (bad.empty() || 2 * bad.size() > rows_) continue;
+    notes.push_back(fmt::format(
+        "{}:{}: column {} is left out: found '{}', expected a number in every row ({} of {} have "
+        "none)",
+        file_, lines_[bad.front()], columns_[column], at(bad.front(), column), bad.size(), rows_));
+  }
+  return notes;
+}
+
 void CsvTable::exchange(std::string_view a, std::string_view b) {
   if (has(a) && has(b)) std::swap(columns_[index_of(a)], columns_[index_of(b)]);
 }

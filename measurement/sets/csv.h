@@ -37,6 +37,8 @@ class CsvTable {
 
   // Columns outside `known` that hold finite numbers in every row: extra covariates.
   std::vector<std::string> extra_numeric_columns(const std::vector<std::string>& known) const;
+  // Of those that hold numbers in most rows and not in all, a sentence each: they are left out.
+  std::vector<std::string> incomplete_columns(const std::vector<std::string>& known) const;
 
   // Reads each of two columns as the other, where both are there: to try whether they were mixed
   // up.

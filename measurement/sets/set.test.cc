@@ -140,5 +140,17 @@ TEST(HeldOutGroups, ThirtyPerCentRoundedUp) {
   }
 }
 
+// One blank cell leaves a whole column out: that is said, with its line; a column of words is none.
+TEST(CsvTable, SaysWhichColumnLacksANumber) {
+  const CsvTable table = CsvTable::from_text(
+      "u_px,temperature_c,remark\n1,20.5,\n2,,warm\n3,21,\n4,21.5,7\n", "points.csv");
+  const std::vector<std::string> notes = table.incomplete_columns({"u_px"});
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0],
+            "points.csv:3: column temperature_c is left out: found '', expected a number in every "
+            "row (1 of 4 have none)");
+  EXPECT_TRUE(table.incomplete_columns({"u_px", "temperature_c"}).empty());
+}
+
 }  // namespace
 }  // namespace seam::measurement

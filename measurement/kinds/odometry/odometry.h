@@ -27,6 +27,9 @@ namespace seam::measurement {
 std::vector<WalkRun> read_walk_runs(const CsvTable& table, const std::string& group_column,
                                     bool measured, size_t* repeated = nullptr);
 
+// Columns of such a table that are no further ones.
+std::vector<std::string> walk_columns(const std::string& group_column);
+
 // Whether a table tells of wheels' ticks, not of commanded velocities.
 bool has_ticks(const CsvTable& table);
 

@@ -149,10 +149,7 @@ bool has_ticks(const CsvTable& table) {
   return table.has(kTickColumns[0]) || table.has(kTickColumns[1]);
 }
 
-namespace {
-
-// Columns of the table that are no further ones.
-std::vector<std::string> known_columns(const std::string& group_column) {
+std::vector<std::string> walk_columns(const std::string& group_column) {
   std::vector<std::string> known = {"run", "time_s", group_column};
   for (const auto& names :
        {std::span<const char* const>(kPoseColumns), std::span<const char* const>(kCommandColumns),
@@ -161,8 +158,6 @@ std::vector<std::string> known_columns(const std::string& group_column) {
   return known;
 }
 
-}  // namespace
-
 std::vector<WalkRun> read_walk_runs(const CsvTable& table, const std::string& group_column,
                                     bool measured, size_t* repeated) {
   const auto times = table.times_ns("time_s");
@@ -170,7 +165,7 @@ std::vector<WalkRun> read_walk_runs(const CsvTable& table, const std::string& gr
   const auto names = table.texts(table.has("run") ? "run" : group_column);
   const std::array<std::vector<double>, 3> pose = read_poses(table, measured);
   const auto further = std::make_shared<const effects::FurtherColumns>(
-      further_columns(table, known_columns(group_column)));
+      further_columns(table, walk_columns(group_column)));
   std::vector<WalkRun> runs;
   std::unordered_map<std::string, size_t> place;  // Only looked up.
   std::vector<int64_t> first_ns, last_ns;

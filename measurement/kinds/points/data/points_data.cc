@@ -290,6 +290,8 @@ PointsData read_points(const MeasurementSet& set, Rig rig, bool measured, Facts&
   facts.series_of_row = data.view_of_row;
   facts.tests_neighbours = false;
   data.further = further_columns(table, kColumns);
+  for (std::string& note : table.incomplete_columns(kColumns))
+    facts.notes.push_back(std::move(note));
   for (size_t c = 0; c < data.further.names.size(); ++c) {
     if (data.further.names[c] == kTemperature) check_temperatures(table, data.further.values[c]);
   }
