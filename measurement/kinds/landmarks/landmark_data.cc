@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 
@@ -196,8 +197,7 @@ LandmarkData read_landmarks(const MeasurementSet& set, bool measured, Facts& fac
                                   data.landmark_of_row[row]);
   }
   data.further = further_columns(table, kColumns);
-  for (std::string& note : table.incomplete_columns(kColumns))
-    facts.notes.push_back(std::move(note));
+  std::ranges::move(table.incomplete_columns(kColumns), std::back_inserter(facts.notes));
   for (size_t c = 0; measured && c < data.further.names.size(); ++c)
     facts.covariates.push_back({.name = data.further.names[c], .values = data.further.values[c]});
   return data;

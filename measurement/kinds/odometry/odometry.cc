@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "effects/questions.h"
 #include "measurement/kinds/series_facts.h"
@@ -92,8 +93,8 @@ void OdometryProblem::describe(const MeasurementSet& set, const CsvTable& table)
   for (const char* name : kCommandColumns) {
     if (!ticks_) columns_.push_back({name, Covariate::Type::smooth, table.numbers(name), false});
   }
-  for (std::string& note : table.incomplete_columns(walk_columns(set.group)))
-    facts_.notes.push_back(std::move(note));
+  std::ranges::move(table.incomplete_columns(walk_columns(set.group)),
+                    std::back_inserter(facts_.notes));
   const effects::FurtherColumns& further = *runs_.front().further;
   for (size_t c = 0; c < further.names.size(); ++c)
     columns_.push_back({further.names[c], Covariate::Type::smooth, further.values[c], true});

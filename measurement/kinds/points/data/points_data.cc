@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -290,8 +291,7 @@ PointsData read_points(const MeasurementSet& set, Rig rig, bool measured, Facts&
   facts.series_of_row = data.view_of_row;
   facts.tests_neighbours = false;
   data.further = further_columns(table, kColumns);
-  for (std::string& note : table.incomplete_columns(kColumns))
-    facts.notes.push_back(std::move(note));
+  std::ranges::move(table.incomplete_columns(kColumns), std::back_inserter(facts.notes));
   for (size_t c = 0; c < data.further.names.size(); ++c) {
     if (data.further.names[c] == kTemperature) check_temperatures(table, data.further.values[c]);
   }
