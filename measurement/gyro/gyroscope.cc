@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "measurement/numerics/robust.h"
+#include "measurement/sets/temperatures.h"
 #include "sim_core/base/error.h"
 #include "sim_core/body/turn.h"
 
@@ -24,6 +25,11 @@ effects::Inertial tried_alone(const effects::EffectDefinition& effect, size_t pa
   effects::Noise noise;
   if (effect.noise) effect.noise(values, noise);
   return noise.inertial;
+}
+
+bool is_of_camera(const effects::Inertial& by) {
+  return by.camera_offset_s != 0 || by.camera_offset_of_exposure != 0 ||
+         by.camera_turn_rad != effects::Triad{};
 }
 
 bool moves_rates(const effects::InertialSensor& gyro) {
@@ -50,7 +56,7 @@ Gyroscope read_gyroscope(const MeasurementSet& set, int64_t& first_ns) {
     columns.push_back(table.numbers(kImuColumns[axis]));
   }
   const std::vector<int64_t> time_ns = table.times_ns("time_s");
-  if (table.has(kImuWarmth)) data.temperature_c = table.numbers(kImuWarmth);
+  if (table.has(kTemperature)) data.temperature_c = table.numbers(kTemperature);
   if (table.rows() < kLeastSamples)
     throw InputError(fmt::format("{}: found {} samples, expected {} or more", table.file(),
                                  table.rows(), kLeastSamples));

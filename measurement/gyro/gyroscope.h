@@ -14,7 +14,6 @@ namespace seam::measurement {
 inline constexpr size_t kImuAxes = 6;
 inline constexpr std::array<const char*, kImuAxes> kImuColumns = {
     "wx_radps", "wy_radps", "wz_radps", "ax_mps2", "ay_mps2", "az_mps2"};
-inline constexpr const char* kImuWarmth = "temperature_c";
 
 // What a spectrum takes at least.
 inline constexpr size_t kLeastSamples = 64;
@@ -33,6 +32,12 @@ struct GyroscopeBeside {
 
 // What the effect alone does at a typical size of one parameter, all others at neutral.
 effects::Inertial tried_alone(const effects::EffectDefinition& effect, size_t parameter);
+// Time of the sensor less that of the camera, of a view of this exposure.
+inline double offset_at(const effects::Inertial& by, double exposure_s) {
+  return by.camera_offset_s + by.camera_offset_of_exposure * exposure_s;
+}
+// Whether the effect, or a model, says where the sensor is beside a camera.
+bool is_of_camera(const effects::Inertial& by);
 // Whether rates that such a sensor reads are others than the true ones in the mean.
 bool moves_rates(const effects::InertialSensor& gyro);
 

@@ -9,8 +9,7 @@ ReadTurns::ReadTurns(const GyroscopeBeside& beside, const effects::Model& model)
       R_IC_(effects::camera_axes(inertial_)) {}
 
 double ReadTurns::sensor_s(double at_s, double exposure_s) const {
-  return at_s - first_s_ + inertial_.camera_offset_s +
-         inertial_.camera_offset_of_exposure * exposure_s;
+  return at_s - first_s_ + offset_at(inertial_, exposure_s);
 }
 
 Mat3 ReadTurns::between(double from_s, double to_s, double exposure_s) const {

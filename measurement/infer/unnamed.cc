@@ -230,6 +230,12 @@ CauseBeside best_beside(const Problem& problem, const Assessment& assessment) {
   return out;
 }
 
+std::shared_ptr<const CauseBeside> known_beside(const Problem& problem,
+                                                const Assessment& assessment,
+                                                const KnownCauses& known) {
+  return known.of(0, key_of(problem, assessment), [&] { return best_beside(problem, assessment); });
+}
+
 // What is known of an explanation, and its log-evidence where its parameters fit all groups.
 struct Compared {
   std::shared_ptr<const CauseBeside> beside;
@@ -247,8 +253,7 @@ Compared compared(const Problem& problem, const Explanation& explanation, const 
                         problem.score(assessment.model, all).log_likelihood;
     assessment.model = *other_noise;
   }
-  out.beside =
-      known.of(0, key_of(problem, assessment), [&] { return best_beside(problem, assessment); });
+  out.beside = known_beside(problem, assessment, known);
   // Rows were fitted: where averages of them are seen, these may ask for another step.
   if (&problem.with_residuals() == &problem || other_noise != nullptr)
     out.log_evidence += out.beside->step_gain;
@@ -272,11 +277,9 @@ std::optional<UnnamedCause> ahead_of(const Compared& last, const Compared& here,
 
 std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
                                           const std::vector<Explanation>& explanations,
-                                          double material, const KnownCauses& known,
-                                          std::vector<TriedFunction>* tried) {
+                                          double material, const KnownCauses& known) {
   const Explanation& last = explanations.back();
   const Compared at_last = compared(problem, last, known);
-  if (tried != nullptr) *tried = at_last.beside->tried;
   std::vector<std::optional<UnnamedCause>> causes;
   for (size_t e = 0; e + 1 < explanations.size(); ++e) {
     const Explanation& explanation = explanations[e];
@@ -309,6 +312,11 @@ std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
       best = std::move(cause);
   }
   return best;
+}
+
+std::vector<TriedFunction> tried_beside(const Problem& problem, const Assessment& explanation,
+                                        const KnownCauses& known) {
+  return known_beside(problem, explanation, known)->tried;
 }
 
 std::vector<double> own_shares(const Problem& problem, const Assessment& explanation,

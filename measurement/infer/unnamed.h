@@ -32,7 +32,7 @@ struct UnnamedCause {
   double error_before = 0, error_after = 0;  // Of all observations, without and with it.
 };
 
-// A smooth function that was tried beside the last explanation.
+// A smooth function that was tried beside an explanation.
 struct TriedFunction {
   std::vector<std::string> covariates;
   bool is_testable = true;  // Nuisances of many groups may follow whatever it does.
@@ -50,11 +50,14 @@ using KnownCauses = Memo<CauseBeside>;
 
 // The best cause beside one of the explanations, each of which grew from the one before it, where
 // it is ahead of the last and groups that are held out agree. `material` is the least change in
-// noise units that counts. `tried` receives the functions tried beside the last.
+// noise units that counts.
 std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
                                           const std::vector<Explanation>& explanations,
-                                          double material, const KnownCauses& known,
-                                          std::vector<TriedFunction>* tried = nullptr);
+                                          double material, const KnownCauses& known);
+
+// What was tried beside an explanation.
+std::vector<TriedFunction> tried_beside(const Problem& problem, const Assessment& explanation,
+                                        const KnownCauses& known);
 
 // For each set of effects of an explanation: of what they take of the residuals together, in
 // log-likelihood, the share that smooth functions cannot take in their place; 1 where that cannot

@@ -15,7 +15,7 @@ void add_missed_channel(std::vector<Structure>& found, const std::string& channe
                    .moment = "mean",
                    .covariate = covariate,
                    .strength = misfit.strength(),
-                   .p_value = std::max(p_value, 1e-300)});
+                   .p_value = std::max(p_value, kLeastP)});
 }
 
 }  // namespace seam::measurement

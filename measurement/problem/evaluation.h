@@ -104,7 +104,16 @@ struct Structure {
 // The noise of a residual's channel, or of the first of the two that a combined one is made of.
 double noise_of(const Facts& facts, const std::string& residual);
 
-// Surest first. Values of p that are cut (1e-300) are no order: of these, and of equals, the one
+// Whether a covariate of the set is one of labels.
+bool is_label(const Facts& facts, const std::string& covariate);
+
+// Tests of structure give what is at least as sure, corrected for the number of looks; which of it
+// counts is judged later.
+inline constexpr double kLeastSure = 0.05;
+// Smaller values of p are cut to this one.
+inline constexpr double kLeastP = 1e-300;
+
+// Surest first. Values of p that are cut are no order: of these, and of equals, the one
 // that is stronger in units of its channel's noise goes first.
 void strongest_first(const Facts& facts, std::vector<Structure>& structures);
 

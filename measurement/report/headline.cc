@@ -97,7 +97,7 @@ double least_for_sure(const SearchResult& result) {
 // What is missing, for sure, and what fits best and is doubted: there the true cause may be another
 // one.
 std::string steps_text(const SearchResult& result) {
-  std::vector<std::string> sure, untold, likely, doubtful, noises;
+  std::vector<std::string> sure, undetermined, likely, doubtful, noises;
   const std::vector<std::string> unknown = noises_of_unknown_cause(result);
   const double least = least_for_sure(result);
   const Step* most = nullptr;
@@ -110,8 +110,8 @@ std::string steps_text(const SearchResult& result) {
       noises.push_back(moves);
     } else if (step.moved < least) {
       likely.push_back(moves);
-    } else if (!tells_a_value(result.best.assessment, step.effect)) {
-      untold.push_back(step.effect);
+    } else if (!determines_a_value(result.best.assessment, step.effect)) {
+      undetermined.push_back(step.effect);
     } else {
       sure.push_back(step.effect);
       if (most == nullptr || step.moved > most->moved) most = &step;
@@ -122,10 +122,10 @@ std::string steps_text(const SearchResult& result) {
     parts.push_back(fmt::format("{} {} missing; {} moves predictions by {} x noise",
                                 fmt::join(sure, ", "), sure.size() == 1 ? "is" : "are",
                                 sure.size() == 1 ? "it" : most->effect, two_digits(most->moved)));
-  if (!untold.empty())
+  if (!undetermined.empty())
     parts.push_back(
         fmt::format("{} {} in the model for the others alone: the data determine no value of it",
-                    fmt::join(untold, ", "), untold.size() == 1 ? "is" : "are"));
+                    fmt::join(undetermined, ", "), undetermined.size() == 1 ? "is" : "are"));
   if (!doubtful.empty())
     parts.push_back(fmt::format("{} fits best, which establishes no cause: look for another",
                                 fmt::join(doubtful, " with ")));

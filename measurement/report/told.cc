@@ -17,8 +17,6 @@ namespace {
 
 constexpr const char* kConstant = "constant";
 constexpr size_t kMostLines = 8;
-// Smaller p-values are cut to this one.
-constexpr double kLeastP = 1e-300;
 
 std::vector<std::string> factors_of(const std::string& covariate) {
   std::vector<std::string> factors;
@@ -27,12 +25,6 @@ std::vector<std::string> factors_of(const std::string& covariate) {
     factors.push_back(covariate.substr(from, to - from));
   factors.push_back(covariate.substr(from));
   return factors;
-}
-
-bool is_label(const Facts& facts, const std::string& name) {
-  return std::any_of(facts.covariates.begin(), facts.covariates.end(), [&](const Covariate& c) {
-    return c.name == name && c.type == Covariate::Type::category;
-  });
 }
 
 // "sign of pan rate" of sign(pan_rate). Other names are columns of the set, and stay.
@@ -120,7 +112,7 @@ effects::ParameterValue fitted_value(const Assessment& assessment, const std::st
 
 }  // namespace
 
-bool tells_a_value(const Assessment& assessment, const std::string& effect) {
+bool determines_a_value(const Assessment& assessment, const std::string& effect) {
   const effects::ModelEffect* found = assessment.model.find(effect);
   if (found == nullptr || found->parameters.empty()) return true;
   const auto& parameters = found->definition->parameters;

@@ -22,9 +22,9 @@ std::string told_value(const Model& model, const std::string& name,
 // "k1 = 0.0021 +- 3e-05, k2 = not determined (+- 200)".
 std::string told_values(const Assessment& assessment, const std::string& effect);
 
-// Whether the data tell at least one value of an effect from none of it, or it is not fitted. Else
-// the effect stands in the model for the sake of others: a shape that others scale.
-bool tells_a_value(const Assessment& assessment, const std::string& effect);
+// Whether the data determine at least one value of an effect, or it is not fitted. Else the effect
+// stands in the model for the sake of others: a shape that others scale.
+bool determines_a_value(const Assessment& assessment, const std::string& effect);
 
 // "mean of u_px varies with row x pan rate".
 std::string told_structure(const Facts& facts, const Structure& structure);

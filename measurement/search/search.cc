@@ -367,7 +367,7 @@ SearchResult Searcher::run() {
   while (leave_out_doubted(problem_, causes_, result)) give_verdict(problem_, of_base, result);
   if (look_for_formula(problem_, progress_, causes_, result))
     give_verdict(problem_, of_base, result);
-  unnamed_beside(problem_, {result.best}, material_, causes_, &result.functions);
+  result.functions = tried_beside(problem_, result.best.assessment, causes_);
   hold_against_splines(problem_, progress_, searched, result);
   tell_ties(problem_, by_name, exchanges_, searched, promising_, result);
   rank_by_search(problem_, result);

@@ -183,13 +183,12 @@ bool adds_noise_alone(const Grown& earlier, const Grown& last) {
 }  // namespace
 
 std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::vector<Grown>& grown,
-                                           double material, const KnownCauses& known,
-                                           std::vector<TriedFunction>* tried) {
+                                           double material, const KnownCauses& known) {
   std::vector<Explanation> explanations;
   for (const Grown& g : grown)
     explanations.push_back(
         {&g.assessment, merit_of(problem, g), adds_noise_alone(g, grown.back())});
-  auto cause = unnamed_cause(problem, explanations, material, known, tried);
+  auto cause = unnamed_cause(problem, explanations, material, known);
   if (cause && !explains_better(cause->lead, cause->error_after, grown.back(),
                                 adds_means_alone(grown[cause->beside], grown.back())))
     cause.reset();

@@ -11,8 +11,7 @@ namespace seam::measurement {
 
 // The best smooth functions beside one of these models, each of which grew from the one before.
 std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::vector<Grown>& grown,
-                                           double material, const KnownCauses& known,
-                                           std::vector<TriedFunction>* tried = nullptr);
+                                           double material, const KnownCauses& known);
 
 // Whether such functions leave no more than noise: nothing for a motor, which has a memory.
 bool explained_without_name(const Problem& problem, const std::vector<Grown>& grown,

@@ -198,16 +198,21 @@ std::vector<int64_t> CsvTable::times_ns(std::string_view column) const {
   return values;
 }
 
+std::vector<size_t> CsvTable::rows_without_number(size_t column) const {
+  std::vector<size_t> rows;
+  double value = 0;
+  for (size_t row = 0; row < rows_; ++row) {
+    if (!parse_number(at(row, column), value)) rows.push_back(row);
+  }
+  return rows;
+}
+
 std::vector<std::string> CsvTable::extra_numeric_columns(
     const std::vector<std::string>& known) const {
   std::vector<std::string> extra;
   for (size_t column = 0; column < columns_.size(); ++column) {
     if (std::find(known.begin(), known.end(), columns_[column]) != known.end()) continue;
-    double value = 0;
-    bool numeric = rows_ > 0;
-    for (size_t row = 0; row < rows_ && numeric; ++row)
-      numeric = parse_number(at(row, column), value);
-    if (numeric) extra.push_back(columns_[column]);
+    if (rows_ > 0 && rows_without_number(column).empty()) extra.push_back(columns_[column]);
   }
   return extra;
 }
@@ -216,11 +221,7 @@ std::vector<std::string> CsvTable::incomplete_columns(const std::vector<std::str
   std::vector<std::string> notes;
   for (size_t column = 0; column < columns_.size(); ++column) {
     if (std::find(known.begin(), known.end(), columns_[column]) != known.end()) continue;
-    double value = 0;
-    std::vector<size_t> bad;
-    for (size_t row = 0; row < rows_; ++row) {
-      if (!parse_number(at(row, column), value)) bad.push_back(row);
-    }
+    const std::vector<size_t> bad = rows_without_number(column);
     if (bad.empty() || 2 * bad.size() > rows_) continue;
     notes.push_back(fmt::format(
         "{}:{}: column {} is left out: found '{}', expected a number in every row ({} of {} have "

@@ -37,7 +37,8 @@ class CsvTable {
 
   // Columns outside `known` that hold finite numbers in every row: extra covariates.
   std::vector<std::string> extra_numeric_columns(const std::vector<std::string>& known) const;
-  // Of those that hold numbers in most rows and not in all, a sentence each: they are left out.
+  // Of those that hold numbers in half of the rows or more and not in all, a sentence each: they
+  // are left out.
   std::vector<std::string> incomplete_columns(const std::vector<std::string>& known) const;
 
   // Reads each of two columns as the other, where both are there: to try whether they were mixed
@@ -48,6 +49,7 @@ class CsvTable {
                          std::string_view expected) const;
 
  private:
+  std::vector<size_t> rows_without_number(size_t column) const;
   size_t index_of(std::string_view column) const;
   std::string_view at(size_t row, size_t column) const;
 

@@ -104,6 +104,10 @@ double unmixed_variance(double weight) {
   return a / (apart * std::sqrt(apart));
 }
 
+double unmixed_variance(const Mixing& weights) {
+  return unmixed_variance(weights.along_rows) * unmixed_variance(weights.along_columns);
+}
+
 double unmixed_correlation(double weight) {
   return -2 * weight / (1 - 2 * weight);
 }

@@ -33,7 +33,9 @@ double mixed_variance(double weight);
 double mixed_correlation(double weight);
 double mixing_of(double correlation);
 double unmixed_variance(double weight);
-// How neighbours among these correlate.
+// Of both directions.
+double unmixed_variance(const Mixing& weights);
+// How neighbours among these correlate, along one.
 double unmixed_correlation(double weight);
 // Logarithm of the filter's determinant, for each sample.
 double log_mixing(const Mixing& weights, const ImageShape& shape);

@@ -230,18 +230,17 @@ Image expose(const SensorChain& chain, const FixedPattern& pattern,
   SEAM_CHECK(illumination.size() == pattern.gain.size(), "{}", illumination.size());
   image.samples.resize(illumination.size());
   if (!noise) {
-    std::vector<float> mean(illumination.size());
-    for (size_t i = 0; i < illumination.size(); ++i) {
+    const auto mean_of = [&](size_t i) {
       const double signal = signal_dn(chain, illumination[i], exposure);
-      const Moments value =
-          response_moments(chain, signal, colour_of(i, pattern.channels), exposure);
-      image.samples[i] = to_file(chain, value.mean_dn, exposure.file_bits);
-      mean[i] = static_cast<float>(std::min(value.mean_dn, chain.full_dn));
-    }
-    if (!chain.mixing.acts()) return image;
-    mix(chain.mixing, {pattern.width_px, pattern.height_px, pattern.channels}, mean);
-    for (size_t i = 0; i < mean.size(); ++i)
-      image.samples[i] = to_file(chain, mean[i], exposure.file_bits);
+      return response_moments(chain, signal, colour_of(i, pattern.channels), exposure).mean_dn;
+    };
+    std::vector<float> mixed(chain.mixing.acts() ? illumination.size() : 0);
+    for (size_t i = 0; i < mixed.size(); ++i)
+      mixed[i] = static_cast<float>(std::min(mean_of(i), chain.full_dn));
+    if (!mixed.empty())
+      mix(chain.mixing, {pattern.width_px, pattern.height_px, pattern.channels}, mixed);
+    for (size_t i = 0; i < illumination.size(); ++i)
+      image.samples[i] = to_file(chain, mixed.empty() ? mean_of(i) : mixed[i], exposure.file_bits);
     return image;
   }
   Exposing(chain, pattern, exposure, frame_noise)

@@ -140,7 +140,7 @@ class Tester {
       found_.insert(found_.end(), one.found_.begin(), one.found_.end());
     }
     for (Structure& found : found_) found.p_value = corrected(found.p_value, looks_);
-    std::erase_if(found_, [](const Structure& s) { return s.p_value > 0.05; });
+    std::erase_if(found_, [](const Structure& s) { return s.p_value > kLeastSure; });
     // Of two tests of one thing the surer one stays.
     std::stable_sort(found_.begin(), found_.end(), [](const Structure& a, const Structure& b) {
       return std::pair(a.p_value, -a.explained) < std::pair(b.p_value, -b.explained);
@@ -349,17 +349,19 @@ double noise_of(const Facts& facts, const std::string& residual) {
   return 1;
 }
 
+bool is_label(const Facts& facts, const std::string& covariate) {
+  return std::any_of(facts.covariates.begin(), facts.covariates.end(), [&](const Covariate& c) {
+    return c.name == covariate && c.type == Covariate::Type::category;
+  });
+}
+
 void strongest_first(const Facts& facts, std::vector<Structure>& structures) {
   // Rows of one label follow whatever is smooth over them, which names the cause where it takes as
   // much, but for what its curve misses.
   constexpr double kOfLabel = 0.75;
   const auto key = [&](const Structure& s) {
     const double noise = noise_of(facts, s.residual);
-    const bool label =
-        std::any_of(facts.covariates.begin(), facts.covariates.end(), [&](const Covariate& c) {
-          return c.name == s.covariate && c.type == Covariate::Type::category;
-        });
-    const double strength = (label ? kOfLabel : 1) * s.strength;
+    const double strength = (is_label(facts, s.covariate) ? kOfLabel : 1) * s.strength;
     // That neighbours agree tells that something smooth is missing, which the others name.
     return std::tuple(s.p_value, s.covariate == kNeighbour,
                       noise > 0 ? -strength / noise : -strength);

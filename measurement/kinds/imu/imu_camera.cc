@@ -22,8 +22,7 @@ Eigen::Matrix3d spread_of(const AttitudeView& view) {
 
 double sample_time_of(const AttitudeView& view, const effects::Inertial& inertial) {
   return view.at_s +
-         std::clamp(inertial.camera_offset_s + inertial.camera_offset_of_exposure * view.exposure_s,
-                    -kMostOffset_s, kMostOffset_s);
+         std::clamp(offset_at(inertial, view.exposure_s), -kMostOffset_s, kMostOffset_s);
 }
 
 }  // namespace
@@ -182,12 +181,11 @@ void ImuCameraProblem::check_model(const Model& model) const {
 std::string ImuCameraProblem::not_testable(const Model& model, const EffectDefinition& effect,
                                            size_t parameter) const {
   const effects::Inertial by = tried_alone(effect, parameter);
-  const bool of_camera = by.camera_offset_s != 0 || by.camera_turn_rad != effects::Triad{};
   if (by.camera_offset_of_exposure != 0 && !data_.knows_exposure)
     return "attitudes have no exposure_s that differs from view to view";
   if (by.gyro.per_k != effects::Triad{} && data_.temperature_c.empty())
     return "no temperature was logged";
-  if (!of_camera && by.camera_offset_of_exposure == 0 && !moves_rates(by.gyro))
+  if (!is_of_camera(by) && !moves_rates(by.gyro))
     return "turns between views of a camera do not show it: take a set of readings alone";
   return Problem::not_testable(model, effect, parameter);
 }
@@ -259,7 +257,7 @@ std::vector<Finding> ImuCameraProblem::findings(const Model& model) const {
   std::vector<double> exposures;
   for (const AttitudeView& view : data_.views) exposures.push_back(view.exposure_s);
   const double usual_s = median_of(exposures);
-  const double offset_s = inertial.camera_offset_s + inertial.camera_offset_of_exposure * usual_s;
+  const double offset_s = offset_at(inertial, usual_s);
   return {{.what = "offset",
            .name = "usual exposure",
            .values = {{"exposure_s", usual_s}, {"offset_s", offset_s}},

@@ -95,8 +95,7 @@ std::string ImuProblem::lacking(const effects::Inertial& by) const {
   const bool shows_force = by.gyro_per_force != none;
   if ((differs(by.gyro) || shows_force) && !data_.has[0]) return "no gyroscope was read";
   if ((differs(by.accel) || shows_force) && !data_.has[3]) return "no accelerometer was read";
-  if (by.camera_offset_s != 0 || by.camera_offset_of_exposure != 0 || by.camera_turn_rad != none)
-    return "no camera was beside the sensor: the set has no attitudes";
+  if (is_of_camera(by)) return "no camera was beside the sensor: the set has no attitudes";
   if (by.clock_ppm != 0 && !(data_.rate_hz > 0))
     return "the set does not say at which rate the sensor samples by its own clock (rate_hz)";
   if (by.stamp_sigma_s > 0 && !(data_.rate_hz > 0))

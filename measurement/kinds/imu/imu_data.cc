@@ -6,6 +6,7 @@
 #include "measurement/kinds/imu/spectra/cosine_transform.h"
 #include "measurement/numerics/moments.h"
 #include "measurement/numerics/robust.h"
+#include "measurement/sets/temperatures.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -125,7 +126,7 @@ void expect_warmth(const CsvTable& table, const std::vector<double>& warmth_c) {
   constexpr double kLeast_c = -273.15, kMost_c = 1000;
   for (size_t row = 0; row < warmth_c.size(); ++row) {
     if (warmth_c[row] < kLeast_c || warmth_c[row] > kMost_c)
-      table.fail(row, kImuWarmth, table.cell(row, kImuWarmth),
+      table.fail(row, kTemperature, table.cell(row, kTemperature),
                  fmt::format("degrees Celsius, {:g} to {:g}", kLeast_c, kMost_c));
   }
 }
@@ -158,7 +159,7 @@ ImuData read_imu(const MeasurementSet& set, bool measured) {
   Columns columns{.time_ns = table.times_ns("time_s"), .truth = columns_of(table, kImuTruth)};
   if (table.has(set.group) || set.root.has("group")) columns.run = table.texts(set.group);
   if (measured) columns.samples = columns_of(table, kImuColumns);
-  if (table.has(kImuWarmth)) columns.temperature_c = table.numbers_or_blank(kImuWarmth);
+  if (table.has(kTemperature)) columns.temperature_c = table.numbers_or_blank(kTemperature);
   expect_warmth(table, columns.temperature_c);
   hold_last(columns.temperature_c);
   ImuData data;

@@ -12,8 +12,6 @@
 namespace seam::measurement {
 namespace {
 
-constexpr double kSurely = 0.05;  // Of a p value, as of all structure.
-
 // A walk goes on between runs, and the power of flicker noise grows by as much with each octave.
 double variance_of(const RunMean& run, const SlowNoise& slow, double middle_s) {
   const double apart_s = std::abs(run.middle_s - middle_s);
@@ -102,13 +100,13 @@ std::vector<Structure> ImuProblem::runs_that_differ(const Model& model,
     const SlowNoise slow = {by.walk[channel.axis % 3], by.flicker[channel.axis % 3]};
     const RunsApart apart = runs_apart(means, slow, static_cast<double>(kLeastLines));
     const double p = corrected(apart.p_value, static_cast<double>(channels.size()));
-    if (p > kSurely || !(apart.rms > 0)) continue;
+    if (p > kLeastSure || !(apart.rms > 0)) continue;
     found.push_back(
         {.residual = facts_.channels[static_cast<size_t>(number)].name,
          .moment = "mean",
          .covariate = kEachRun,
          .strength = apart.rms,
-         .p_value = std::max(p, 1e-300),
+         .p_value = std::max(p, kLeastP),
          .explained = std::min(1.0, channel.rows * apart.rms * apart.rms / channel.squares)});
   }
   return found;
@@ -124,15 +122,15 @@ std::vector<Structure> ImuProblem::structure(const Model& model, const Groups& g
              return s.residual == run.residual && s.moment == "mean" && s.explained > kMost;
            });
   };
-  std::vector<Structure> told;
-  std::copy_if(apart.begin(), apart.end(), std::back_inserter(told),
+  std::vector<Structure> named;
+  std::copy_if(apart.begin(), apart.end(), std::back_inserter(named),
                [&](const Structure& run) { return !with_more_reason(run); });
   // A few means lie on many functions.
   std::erase_if(all, [&](const Structure& s) {
-    return std::any_of(told.begin(), told.end(),
+    return std::any_of(named.begin(), named.end(),
                        [&](const Structure& run) { return run.residual == s.residual; });
   });
-  all.insert(all.end(), told.begin(), told.end());
+  all.insert(all.end(), named.begin(), named.end());
   strongest_first(facts_, all);
   return all;
 }

@@ -65,7 +65,7 @@ Model sensor(bool has_force = false) {
       ConfigNode::from_text("format: seam-model/1\neffects: {" + effects + "}\n", "test.yaml"));
 }
 
-std::vector<std::string> told(const std::filesystem::path& folder, bool has_force = false) {
+std::vector<std::string> findings_of(const std::filesystem::path& folder, bool has_force = false) {
   const auto problem = open_problem(folder);
   std::vector<std::string> texts;
   for (const Structure& s : compare(*problem, sensor(has_force)).structure)
@@ -75,20 +75,21 @@ std::vector<std::string> told(const std::filesystem::path& folder, bool has_forc
 
 TEST(RunMeans, ABiasOfEachRunIsNoticedInFewRunsAndInMany) {
   for (const uint64_t runs : {4, 20}) {
-    const auto texts = told(rests("apart", runs, 18, runs));
+    const auto texts = findings_of(rests("apart", runs, 18, runs));
     ASSERT_FALSE(texts.empty()) << runs;
     EXPECT_THAT(texts, testing::Each(testing::HasSubstr("differs from run to run"))) << runs;
   }
 }
 
 TEST(RunMeans, TheSizeOfTheForceIsCompared) {
-  EXPECT_THAT(told(rests("force", 4, 18, 3, true), true),
+  EXPECT_THAT(findings_of(rests("force", 4, 18, 3, true), true),
               testing::ElementsAre("mean of gravity_mps2 differs from run to run"));
 }
 
 TEST(RunMeans, EqualMeansAreQuiet) {
   for (uint64_t seed = 1; seed <= 6; ++seed)
-    EXPECT_TRUE(told(rests("equal", seed % 2 == 0 ? 4 : 20, 0, seed, seed < 4), seed < 4).empty())
+    EXPECT_TRUE(
+        findings_of(rests("equal", seed % 2 == 0 ? 4 : 20, 0, seed, seed < 4), seed < 4).empty())
         << seed;
 }
 

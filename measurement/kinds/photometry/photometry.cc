@@ -215,15 +215,6 @@ bool has_unlike_exposures(const PhotometryData& data) {
   return shortest != data.levels.end() && longest->dark_s() > kUnlike * shortest->dark_s();
 }
 
-// The sensor that an effect of its typical size alone makes.
-effects::SensorChain chain_of(const EffectDefinition& effect) {
-  std::vector<double> values;
-  for (const effects::Parameter& one : effect.parameters) values.push_back(one.neutral + one.scale);
-  effects::SensorChain chain;
-  if (effect.sensor) effect.sensor(values, chain);
-  return chain;
-}
-
 }  // namespace
 
 std::string PhotometryProblem::not_testable(const Model& model, const EffectDefinition& effect,

@@ -33,12 +33,7 @@ bool makes_dark(const effects::ModelEffect& effect) {
 
 // Whether it mixes neighbours: it changes what the images are compared by.
 bool mixes(const effects::ModelEffect& effect) {
-  std::vector<double> values;
-  for (const effects::Parameter& one : effect.definition->parameters)
-    values.push_back(one.neutral + one.scale);
-  effects::SensorChain alone;
-  if (effect.definition->sensor) effect.definition->sensor(values, alone);
-  return alone.mixing.acts();
+  return chain_of(*effect.definition).mixing.acts();
 }
 
 // The model with as many DN of electrons that need no light as another has that says otherwise how

@@ -8,11 +8,6 @@
 namespace seam::measurement {
 namespace {
 
-bool is_of_camera(const effects::Inertial& by) {
-  return by.camera_offset_s != 0 || by.camera_offset_of_exposure != 0 ||
-         by.camera_turn_rad != effects::Triad{};
-}
-
 // Whether the effect changes what a gyroscope says of a camera's turns.
 bool moves_turns(const EffectDefinition& effect) {
   if (effect.stage != effects::kInertial) return false;
@@ -45,7 +40,7 @@ void PointsProblem::check_offset(const Model& model) const {
   const double last_s = data_.gyroscope->readings.at_s.back();
   for (size_t row = 0; row < data_.stamp_s.size(); ++row) {
     const double exposure_s = data_.exposure_s.empty() ? 0 : data_.exposure_s[row];
-    const double by_s = inertial.camera_offset_s + inertial.camera_offset_of_exposure * exposure_s;
+    const double by_s = offset_at(inertial, exposure_s);
     const double at_s = data_.stamp_s[row] - data_.gyroscope->first_s + by_s;
     if (at_s >= 0 && at_s <= last_s) continue;
     throw InputError(fmt::format(

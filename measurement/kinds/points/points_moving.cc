@@ -95,7 +95,7 @@ void PointsProblem::remark_on_path(std::vector<std::string>& remarks) const {
   if (data_.gyroscope) {
     remarks.push_back(
         "each view turns as the gyroscope says while its rows are read, and moves by a velocity of "
-        "its own: turns about the optical axis tell the read-out time");
+        "its own: turns about the optical axis give the read-out time");
     return;
   }
   if (!on_path()) {

@@ -333,12 +333,19 @@ std::vector<double> lamp_rows(const PhotometryData& data, int frame, double expo
   return brightness;
 }
 
+effects::SensorChain chain_of(const effects::EffectDefinition& effect) {
+  std::vector<double> values;
+  for (const effects::Parameter& one : effect.parameters) values.push_back(one.neutral + one.scale);
+  SensorChain chain;
+  if (effect.sensor) effect.sensor(values, chain);
+  return chain;
+}
+
 effects::SensorChain chain_before_mixing(const effects::Model& model, int file_bits) {
   SensorChain chain = effects::sensor_of(model);
   if (!chain.mixing.acts()) return chain;
   const double step = effects::quantisation_step(chain, file_bits),
-               larger = effects::unmixed_variance(chain.mixing.along_rows) *
-                        effects::unmixed_variance(chain.mixing.along_columns);
+               larger = effects::unmixed_variance(chain.mixing);
   // A filter that sharpens makes it smaller.
   const double rounding2 = std::max(0.0, step * step / 12 * (larger - 1));
   chain.read_sigma_dn = std::sqrt(chain.read_sigma_dn * chain.read_sigma_dn + rounding2);

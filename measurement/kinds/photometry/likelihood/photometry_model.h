@@ -50,6 +50,9 @@ std::vector<double> own_light(const PhotometryData& data, const effects::Model& 
 // Whether gain fields or sensor maps change with time (only formulas of users can).
 bool depends_on_time(const effects::Model& model);
 
+// The sensor that an effect of its typical size alone makes.
+effects::SensorChain chain_of(const effects::EffectDefinition& effect);
+
 // The sensor before a filter over neighbours acts, where images are looked at without it: rounding
 // comes after the filter, so that the inverse makes it larger, and it counts as noise of reading.
 effects::SensorChain chain_before_mixing(const effects::Model& model, int file_bits);

@@ -140,12 +140,12 @@ std::optional<Value> linearity_error(const std::vector<const Point*>& points) {
 
 class Emva {
  public:
-  explicit Emva(const PhotometryData& data) : data_(data), points_(points_of(data)) {}
+  explicit Emva(const PhotometryData& data)
+      : data_(data), points_(points_of(data)), darks_are_cut_off_(darks_cut_off(data) > 0) {}
 
   FigureTable run() {
     if (points_.size() < 3) return {};
     find_saturation();
-    const bool without_darks = darks_cut_off(data_) > 0;
     const auto gain = photon_transfer(
         below(kMostForGain), [](const Point& p) { return p.signal; },
         [](const Point& p) { return p.noise2; }, [](const Point& p) { return p.noise2_sigma; });
@@ -154,16 +154,17 @@ class Emva {
     table_.title = "EMVA 1288";
     add(kSystemGain, "DN/e-", gain_);
     add("1/K", "e-/DN", {1 / gain_.value, gain_.sigma / (gain_.value * gain_.value)});
-    if (!without_darks) {
+    if (!darks_are_cut_off_) {
       add_dark();
       add_saturation();
       add_nonuniformity();
     }
     if (const auto error = linearity_error(between(kLeastForLinearity, kMostForLinearity)))
       add("linearity error LE", "%", *error);
-    if (without_darks) return table_;
-    add_efficiency();
-    add_curve();
+    if (!darks_are_cut_off_) {
+      add_efficiency();
+      add_curve();
+    }
     return table_;
   }
 
@@ -193,8 +194,8 @@ class Emva {
   template <typename... Coordinates>
   std::optional<Value> photon_transfer(const std::vector<const Point*>& points,
                                        Coordinates... coordinates) const {
-    return darks_cut_off(data_) > 0 ? slope_of_line(points, coordinates...)
-                                    : slope_through_origin(points, coordinates...);
+    return darks_are_cut_off_ ? slope_of_line(points, coordinates...)
+                              : slope_through_origin(points, coordinates...);
   }
   void add(const std::string& name, const std::string& unit, Value v) {
     table_.figures.push_back({name, unit, v.value, v.sigma});
@@ -346,6 +347,7 @@ class Emva {
 
   const PhotometryData& data_;
   std::vector<Point> points_;
+  bool darks_are_cut_off_;
   const Point* saturation_ = nullptr;
   bool is_saturated_ = false;
   Value gain_, dark_noise_;

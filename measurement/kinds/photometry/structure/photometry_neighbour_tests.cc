@@ -177,8 +177,7 @@ FramePairs frame_pairs(const PhotometryView& view) {
   const auto every = static_cast<size_t>(std::max(1.0, std::round(values / kMostValues)));
   double frames = 0, rounding = 0;
   const effects::Mixing& mixing = view.data.mixing;
-  const double rounding2 = effects::unmixed_variance(mixing.along_rows) *
-                           effects::unmixed_variance(mixing.along_columns) / 12;
+  const double rounding2 = effects::unmixed_variance(mixing) / 12;
   for (const LevelSums& level : view.sums.levels) {
     if (level.frames.size() < 2) continue;
     const double share = 1 - 1 / static_cast<double>(level.frames.size());
