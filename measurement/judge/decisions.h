@@ -13,10 +13,12 @@ namespace seam::measurement {
 
 // ---- Found or not -------------------------------------------------------------------------------
 
-// False alarms are designed for 1 % a set: half for candidates, half for structure tests. Measured:
-// 0 to 3 in 200 sets of each kind (docs/evidence/studies.md, "Measured").
-inline constexpr double kCandidateAlarm = 0.005;
-inline constexpr double kStructureAlarm = 0.005;
+// An effect counts as found where its log-evidence, with all effects that were looked at as likely,
+// is ahead by this: odds of 20 to 1.
+inline constexpr double kOdds = 3;
+// Structure tests are designed for false alarms in half of 1 % of sets. Measured: 0 to 3 in 200
+// sets of each kind (docs/evidence/studies.md, "Measured").
+inline constexpr double kAlarm = 0.005;
 
 // An error above this is no sampling error of a model that lacks nothing: that of 300 held-out
 // residuals scatters by 0.04 (docs/evidence/studies.md, "Final error"), so that 1.15 is more than
@@ -33,31 +35,14 @@ inline bool explains_something(double error, double given) {
   return error <= kUseless || (error <= kPoor && kMuchBetter * error <= given);
 }
 
-// Standard errors from neutral at which a parameter counts as needed, and pays the full price of
-// its model: p = 0.012, about what 0.5 log n asks of one parameter at n = 1,000. A judgement.
-inline constexpr double kClearlyAway = 2.5;
-
 // An effect whose values lie within so many of their stated errors of neutral is no result: the
 // interval that holds the truth in 95 % of sets holds its absence.
 inline constexpr double kWithinError = 2;
 
-// Where held-out groups lose although all groups together leave no doubt (p this share of the
-// alarm's, 5e-5: four standard errors), bad luck is the likelier reason.
-inline constexpr double kBeyondDoubt = 0.01;
-// How unlucky they may be: this loss in units (docs/evidence/studies.md, "Flat fields": held-out
-// groups lose once in ten times at five standard errors, and `dark_current` came first in 36 of 40
-// sets before they might),
+// Held-out groups agree that an effect helps unless they lose more than this, in units: bad luck
+// is the likelier reason of less (docs/evidence/studies.md, "Flat fields": they lose once in ten
+// times at five standard errors).
 inline constexpr double kUnluckyLoss = -2;
-// or this loss over its own scatter between groups, which a normal variable is below in one of ten
-// cases (docs/evidence/studies.md, "Measured": `range_scale` came first in 190 of 200 sets with
-// kUnluckyLoss alone and in 193 with both, `walk_lag` in 193 and 197).
-inline constexpr double kUnluckyScatter = -1.3;
-// Whether held-out groups, which gain so much, agree that an effect helps: where all groups
-// together leave no doubt, they may be unlucky.
-inline bool held_out_agree(double p_value, double gain_ll, double held_z, bool at_noise) {
-  const bool beyond_doubt = at_noise && p_value < kBeyondDoubt * kCandidateAlarm;
-  return gain_ll > 0 || (beyond_doubt && (gain_ll > kUnluckyLoss || held_z > kUnluckyScatter));
-}
 // Above kMisfit a likelihood says little: held-out groups must gain by more than one standard error
 // of their scatter. A judgement.
 inline constexpr double kAgreedGain = 1;
@@ -73,15 +58,6 @@ inline constexpr int kLeastGroupsForScatter = 3;
 // share is taken before any spread: a spread wide enough makes any residual small in units of
 // itself. A twentieth of the residual is a tenth of its square. A judgement.
 inline constexpr double kHeardFirst = 0.05;
-
-// A model must lose at least this share of an effect's gain when the effect is taken out and all
-// else stays: the rest of the gain was the base's, whose fit had stopped early. A judgement.
-inline constexpr double kOwnShareOfGain = 0.5;
-
-// An effect beside which a value that was fitted before is known so many times worse is not told
-// apart from it: the two have 0.995 of their columns in common. It must gain kAnyPrice. A
-// judgement; found with a real camera, whose centre moved by 98 px (docs/evidence/real-boards.md).
-inline constexpr double kBlurred = 10;
 
 // Standard errors of the held-out gain at which an effect of the mean helps in most groups, not by
 // the luck of a few: jitter moves whole groups and lets other effects seem to help. A judgement.
@@ -108,11 +84,6 @@ inline constexpr double kHiddenMean = 0.25;
 // Between what a true wander of some 60 lengths leaves by chance (0.02) and what one leaves that
 // stands for a limit of torque (0.1). A judgement.
 inline constexpr double kHiddenMeanFar = 0.05;
-
-// A spread under which free predictions over whole runs miss by so many times as much leads the
-// mean astray: on squares of a robot with wheels a wandering of its way did so by three times,
-// where the true wandering of made walks leaves them as they were. A judgement.
-inline constexpr double kAstray = 1.5;
 
 // More outliers than this share are no gross errors but a model that fails: none is left out. So
 // the word is defined in this project.
@@ -147,13 +118,6 @@ inline constexpr double kTieAlarm = 0.01;
 // Ties are passed on (where a is as good as b and b as c, all three are declared), but no further
 // from the best than so many widths: there the likelihood ratio is 10,000 to 1. A judgement.
 inline constexpr double kTieReach = 2;
-// Where the best misses more than the noise, one with fewer parameters goes first within this
-// difference, which two needless parameters gain by chance in one of seven cases (chi-square of 2
-// above 4). A judgement.
-inline constexpr double kFewerParametersWidth = 2;
-// And within this one, where next to nothing tells them apart, the one without a bound at neutral:
-// a latency rather than an exposure (docs/evidence/studies.md, "Cross-checks").
-inline constexpr double kPreferenceWidth = 0.5;
 // How many others are named beside a tied effect: more would hide the point. A judgement.
 inline constexpr size_t kMostTiesNamed = 3;
 // Where fewer numbers than this are held out, one that they deny is named beside an equal that they
@@ -173,11 +137,6 @@ inline constexpr double kFarAboveUnnamed = 10;
 // An exchange of one effect for another must gain this share of a tie's width: less is within what
 // two fits of one model differ by, and the search would go round in circles. A judgement.
 inline constexpr double kExchangeGain = 0.25;
-
-// The price of a parameter is Schwarz's, 0.5 log n, where it stands clear of neutral; one that does
-// not pays as Akaike has it.
-inline constexpr double kPriceOfClear = 0.5;
-inline constexpr double kPriceOfUnclear = 1;
 
 // ---- The way of the search ----------------------------------------------------------------------
 
@@ -235,6 +194,8 @@ inline constexpr double kPromising = 0.5;
 
 // ---- Formulas that are suggested ----------------------------------------------------------------
 
+// The price of a number in a formula is Schwarz's, so often log n: no record says how large it is.
+inline constexpr double kPriceOfNumber = 0.5;
 // Terms of one formula. A judgement.
 inline constexpr size_t kMostTerms = 6;
 // Waves have up to so many half periods over a variable's range. A judgement: each is a look.

@@ -31,13 +31,11 @@ struct Candidate {
   double total_gain_ll = 0;  // Of training and held-out groups together.
   double held_z = 0;         // gain_ll over its standard error, from the scatter between groups.
   double p_value = 1;        // Likelihood ratio, corrected for the number of candidates.
-  double merit = 0;          // Total log-likelihood less a price for each parameter needed.
+  double merit = 0;          // Log-evidence (evidence.h).
   bool at_bound = false;
   bool significant = false;  // And material: the search goes by both.
   bool trace = false;        // Significant, but not material.
-  bool of_base = false;      // It would be, but most of its gain is the base's.
-  double own_ll = 0;         // Then, of its gain what the model loses without it.
-  bool hides_mean = false;   // It would be, but calls a mean noise, or leads one astray.
+  bool hides_mean = false;   // It would be, but calls a mean noise.
   double moved = 0;          // Noise units, where it is significant.
   double fall = 0;           // Of held-out residuals in their own units: a share.
   std::vector<std::string> indistinguishable_from;
@@ -65,16 +63,12 @@ double root_gain_over_scatter(const Score& before, const Score& after,
 // Whether an effect changes the spread of observations and no prediction.
 bool only_widens(const EffectDefinition& effect);
 
-// Whether an effect of the mean helps in most held-out groups, not by the luck of a few: what
-// moves whole groups (jitter) lets other effects seem to help.
-bool clearly_helps(const Candidate& candidate);
-
 // Whether an effect of the mean, found beside a base that misses more than the noise, lowers the
 // residuals in their own units by enough to be heard before any spread.
 bool goes_before_spreads(const Candidate& candidate);
 
-// Best first: by merit, but of all those that the data cannot tell from the best the simplest goes
-// first; fills `indistinguishable_from`.
+// Best first, by evidence; names for each, in `indistinguishable_from`, those that the data cannot
+// tell from it.
 void rank_candidates(std::vector<Candidate>& candidates);
 
 // Those that are significant but not material.
@@ -88,9 +82,6 @@ void remember_significant(const std::vector<Candidate>& candidates,
 // Whether it says how the distance from the axis is bent; whether both do, of the same camera.
 bool is_lens(const EffectDefinition& effect);
 bool are_lenses(const EffectDefinition& one, const EffectDefinition& other);
-
-// Whether a model explains nothing, far behind a rival, and its last step changed little about it.
-bool falls_behind(const Assessment& here, double error_before, const Assessment& rival);
 
 // The log-likelihood below which two explanations count as equally good.
 double tie_width(double error);
@@ -113,7 +104,7 @@ size_t fitted_parameters(const Grown& grown);
 // Parameters that were fitted of a candidate and its companions.
 size_t fitted_parameters(const Candidate& candidate);
 
-// Total log-likelihood less the price of the parameters that the added effects need.
-double merit_of(const Problem& problem, const Grown& grown);
+// Its log-evidence: what explanations are compared by.
+double merit_of(const Grown& grown);
 
 }  // namespace seam::measurement

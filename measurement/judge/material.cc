@@ -133,20 +133,9 @@ bool hides_mean(const Problem& problem, const Assessment& before, const Assessme
   const auto left = problem.structure(with_spread.model, problem.all_groups(),
                                       static_cast<int>(with_spread.unknowns.size()));
   return std::any_of(left.begin(), left.end(), [&](const Structure& s) {
-    return s.moment == "mean" && s.p_value < kStructureAlarm &&
+    return s.moment == "mean" && s.p_value < kAlarm &&
            s.explained > (far ? kHiddenMeanFar : kHiddenMean);
   });
-}
-
-bool leads_astray(const Problem& problem, const Assessment& before, const Assessment& with_spread) {
-  constexpr const char* kWholeRun = "run";  // As FreeError says how far it reaches.
-  const Groups groups = problem.scored_groups();
-  const auto was = problem.free_prediction(before.model, groups);
-  const auto is = problem.free_prediction(with_spread.model, groups);
-  for (size_t i = 0; i < std::min(was.size(), is.size()); ++i) {
-    if (is[i].over == kWholeRun && is[i].rms > kAstray * was[i].rms) return true;
-  }
-  return false;
 }
 
 double noise_units(const Problem& problem, const Assessment& assessment,
@@ -167,7 +156,7 @@ SplitStructure significant_structure(const Problem& problem, const Assessment& a
   SplitStructure split;
   for (Structure& s : problem.structure(assessment.model, problem.all_groups(),
                                         static_cast<int>(assessment.unknowns.size()))) {
-    if (s.p_value >= kStructureAlarm) continue;
+    if (s.p_value >= kAlarm) continue;
     // Written so that a strength that is no number is never hidden.
     const bool trace = noise_units(problem, assessment, s) < material;
     (trace ? split.traces : split.material).push_back(std::move(s));

@@ -40,10 +40,6 @@ double native_fall(const Score& before, const Score& after);
 // far more than the noise.
 bool hides_mean(const Problem& problem, const Assessment& before, const Assessment& with_spread);
 
-// Whether a spread takes the parameters of the mean to where what is predicted freely over a whole
-// run, in its own unit, is plainly worse: errors that wander excuse any way that they keep to.
-bool leads_astray(const Problem& problem, const Assessment& before, const Assessment& with_spread);
-
 // The strength of a structure in units of its channel's noise; a channel without a stated noise has
 // what the model says of it, its residuals over the error.
 double noise_units(const Problem& problem, const Assessment& assessment,

@@ -205,43 +205,5 @@ TEST(Material, AnEffectOfThreeTenthsIsFound) {
             0u);
 }
 
-// Predicted freely over a run it misses by 1 and what its slope is off by.
-class Driven : public Sloped {
- public:
-  std::vector<FreeError> free_prediction(const Model& model, const Groups&) const override {
-    const double off = std::abs(model.find("slope")->values()[0]);
-    return {{.over = "1 s", .residual = "y", .rms = 100 * off},
-            {.over = "run", .residual = "y", .rms = 1 + off}};
-  }
-};
-
-// What wanders excuses any way of the mean: a spread that takes it elsewhere is not chosen, however
-// much it gains, while the noise is missed.
-TEST(Material, ASpreadThatLeadsTheMeanAstrayIsNotChosen) {
-  Driven problem;
-  const auto with = [](double size) {
-    Model model;
-    model.set(level(), {{.value = 0}});
-    model.set(slope(), {{.value = size}});
-    return model;
-  };
-  problem.observe(with(0), {.seed = 9, .stream = 1});
-  problem.prepare(with(0));
-  const auto spread = made_effect("wide", {{.name = "sigma", .min = 0, .max = 10, .scale = 1}},
-                                  /*spread_only=*/true);
-  const auto chosen = [&](double size, double error) {
-    const Grown here{.assessment = {.model = with(0), .error = error}};
-    std::vector<Candidate> candidates;
-    candidates.push_back(
-        {.effect = spread, .grown = {.assessment = {.model = with(size), .error = 1}}});
-    candidates.back().significant = true;
-    return choose(problem, here, candidates) != nullptr;
-  };
-  EXPECT_TRUE(chosen(0, 6));
-  EXPECT_TRUE(chosen(0.4, 6));
-  EXPECT_FALSE(chosen(0.6, 6));
-  EXPECT_TRUE(chosen(0.6, 1.1));
-}
-
 }  // namespace
 }  // namespace seam::measurement

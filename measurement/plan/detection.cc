@@ -76,12 +76,7 @@ Detection::Estimators Detection::estimators_of(const MatrixXd& information) cons
 }
 
 Detection::Detection(const EffectLook& look)
-    : look_(look),
-      fitted_(look.fitted()),
-      of_fitted_(estimators_of(fitted_.information)),
-      own_(look.columns() - look.base) {
-  for (Index i = 0; i < static_cast<Index>(look.base); ++i)
-    blurs_ = blurs_ || of_fitted_.with(i, i) > kBlurred * kBlurred * of_fitted_.without(i, i);
+    : look_(look), fitted_(look.fitted()), of_fitted_(estimators_of(fitted_.information)) {
   for (const PartInformation& part : look.held) {
     roots_.push_back(root_of(part.information));
     if (look.in_turn()) of_rest_.push_back(estimators_of(fitted_.information - part.information));
@@ -165,29 +160,15 @@ Detection::Draw Detection::drawn(uint64_t number) const {
     const double excess = std::sqrt(left2) * kMisfit / limit_at_noise(look_.residuals);
     draw.misfit = std::max(1.0, excess * excess);
   }
-  if (own_ == 1) {
-    const Index last = columns - 1;
-    const double sigma = std::sqrt(of_fitted_.with(last, last));
-    draw.value = with.noise[last] / sigma, draw.per_scale = with.slope[last] / sigma;
-  }
   return draw;
 }
 
 bool Detection::is_found(const Draw& draw, double scale) const {
-  Score before, after;
   double held = 0;
-  for (const Quadratic& gain : draw.held) {
-    before.by_group.push_back(0), after.by_group.push_back(gain.at(scale));
-    held += after.by_group.back();
-  }
+  for (const Quadratic& gain : draw.held) held += gain.at(scale);
   // Where each group is left out in turn, all are fitted together, too.
   const double total = look_.together * (draw.trained.at(scale) + (look_.in_turn() ? 0 : held));
-  const double p_value =
-      chi2_tail(2 * total / draw.misfit, static_cast<double>(own_)) * look_.looks;
-  if (p_value >= kCandidateAlarm || (blurs_ && total < kAnyPrice)) return false;
-  if (own_ == 1 && std::abs(draw.value + scale * draw.per_scale) <= kClearlyAway) return false;
-  if (!held_out_agree(p_value, held, gain_over_scatter(before, after), /*at_noise=*/true))
-    return false;
+  if (!(total / draw.misfit > look_.price) || !(held > kUnluckyLoss)) return false;
   double moved2 = 0;
   for (const Quadratic& channel : draw.moved2) moved2 = std::max(moved2, channel.at(scale));
   return moved2 >= look_.material * look_.material;

@@ -26,7 +26,7 @@ struct EffectLook {
   // in common is seen once.
   double together = 1;
   double residuals = 0;  // Held out; 0: so many that their error is 1.
-  double looks = 1;      // Looks at the whole catalogue, for the correction of p-values.
+  double price = 0;      // Log-likelihood that the effect must gain to be ahead in evidence.
   double material = 0;   // The least change of predictions that counts, in noise units.
 
   bool in_turn() const { return trained.information.size() == 0; }
@@ -56,8 +56,7 @@ class Detection {
     Quadratic trained;            // Log-likelihood gained where the values come from.
     std::vector<Quadratic> held;  // By held-out group.
     std::vector<Quadratic> moved2;
-    double value = 0, per_scale = 0;  // Of the only parameter, in its standard errors.
-    double misfit = 1;                // By which likelihood ratios are worth less.
+    double misfit = 1;  // By which likelihood ratios are worth less.
   };
   // From scores to estimates, with the effect and without it.
   struct Estimators {
@@ -72,8 +71,6 @@ class Detection {
   Estimators of_fitted_;
   std::vector<Estimators> of_rest_;     // Without a held group, where each is left out in turn.
   std::vector<Eigen::MatrixXd> roots_;  // Of the parts' information: held ones, what is trained.
-  size_t own_ = 0;                      // Parameters of the effect.
-  bool blurs_ = false;                  // A value that was known is not with the effect beside it.
   std::vector<Draw> draws_;
 };
 

@@ -211,9 +211,7 @@ std::vector<PlannedTie> Planner::ties_of(const Seen& seen, const Sized& sized) c
         other.effect->spread_only != seen.effect->spread_only)
       continue;
     pair.other = {gain_beside(other, sized.shift), other.free.size()};
-    const double p_value =
-        chi2_tail(2 * pair.other.total_ll, static_cast<double>(other.free.size())) * looks_;
-    if (p_value >= kCandidateAlarm || !cannot_tell(pair.truth, pair.other, 1)) continue;
+    if (!cannot_tell(pair.truth, pair.other, 1)) continue;
     PlannedTie tie{.effect = other.effect->name};
     // Gains grow with the square of a size, and with the number of sets.
     const double repeats = pair.repeats_to_part();

@@ -106,6 +106,8 @@ class Planner {
     double sigma = 0;
   };
   std::optional<Moved> moved(const Seen& seen, size_t parameter, double away) const;
+  // What the effect must gain there to be found.
+  double price_of(const Seen& seen, const Model& truth, const EffectLook& look) const;
   EffectLook look_at_truth(const Seen& seen, const Model& truth, size_t k, double away) const;
   Sized sized(const Seen& seen, size_t parameter) const;
   std::vector<PlannedTie> ties_of(const Seen& seen, const Sized& sized) const;

@@ -75,19 +75,16 @@ EffectLook one_parameter(const std::vector<double>& held, double trained) {
     return PartInformation{Eigen::MatrixXd::Constant(1, 1, information),
                            Eigen::VectorXd::Constant(1, information)};
   };
-  EffectLook look{.base = 0, .looks = 40};
+  EffectLook look{.base = 0, .price = 8};
   for (const double information : held) look.held.push_back(part(information));
   if (trained > 0) look.trained = part(trained);
   return look;
 }
 
-// Where what is held out says nothing, an effect must be beyond doubt: a normal variable above the
-// value with the tail 5e-5, which has 95 % at 1.645 above it.
-TEST(Plan, TheSmallestSizeFollowsFromTheFalseAlarmRate) {
+// Half the square of a normal variable must be above the price, which has 95 % at 1.645 above it.
+TEST(Plan, TheSmallestSizeFollowsFromThePrice) {
   const EffectLook look = one_parameter({0, 0, 0}, 1);
-  double needed = 3;
-  while (chi2_tail(needed * needed, 1) * 40 > kBeyondDoubt * kCandidateAlarm) needed += 1e-4;
-  EXPECT_NEAR(Detection(look).scale_found(100), needed + 1.645, 0.12);
+  EXPECT_NEAR(Detection(look).scale_found(100), std::sqrt(2 * look.price) + 1.645, 0.12);
   // Where what is left may be more than the noise by chance, ratios are worth less.
   EffectLook few = look;
   few.residuals = 200;
@@ -110,9 +107,7 @@ TEST(Plan, TheChanceIsThatOfTheRulesOnMadeReadings) {
     const double mean = size + normal(stream.child("trained"), set) / std::sqrt(trained);
     const double other = size + normal(stream.child("held"), set) / std::sqrt(held);
     const double gain = held * (mean * other - 0.5 * mean * mean);
-    const double p = chi2_tail(trained * mean * mean + 2 * gain, 1) * 40;
-    const bool agrees = gain > 0 || p < kBeyondDoubt * kCandidateAlarm;
-    found += p < kCandidateAlarm && std::abs(mean) * std::sqrt(trained) > kClearlyAway && agrees;
+    found += 0.5 * trained * mean * mean + gain > 8 && gain > kUnluckyLoss;
   }
   const Detection detection(one_parameter({held}, trained));
   EXPECT_NEAR(detection.chance(size), static_cast<double>(found) / kSets, 0.025);

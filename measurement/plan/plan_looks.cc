@@ -2,6 +2,8 @@
 #include <cmath>
 #include <limits>
 
+#include "measurement/judge/decisions.h"
+#include "measurement/judge/evidence.h"
 #include "measurement/plan/likelihood_look.h"
 #include "measurement/plan/plan.h"
 #include "measurement/plan/planned_value.h"
@@ -24,6 +26,24 @@ EffectLook Planner::look_at_truth(const Seen& seen, const Model& truth, size_t k
   Eigen::VectorXd way = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(seen.unknowns.size()));
   way[static_cast<Eigen::Index>(k)] = to_quadratic(Coordinate(truth, seen.unknowns[k]), away);
   return look_by_likelihood(*options_.made(truth), truth, seen.unknowns, way, base_columns(seen));
+}
+
+double Planner::price_of(const Seen& seen, const Model& truth, const EffectLook& look) const {
+  Eigen::VectorXd typical(static_cast<Eigen::Index>(seen.unknowns.size()));
+  double price = kOdds + std::log(looks_ * problem_.looks(base_.assessment.model, *seen.effect));
+  for (size_t k = 0; k < seen.unknowns.size(); ++k) {
+    const Coordinate coordinate(truth, seen.unknowns[k]);
+    const double z = coordinate.of(truth), value = coordinate.to_value(z);
+    const double size = typical_size(*coordinate.parameter, value) / std::abs(coordinate.slope(z));
+    typical[static_cast<Eigen::Index>(k)] = by_likelihood_ ? to_quadratic(coordinate, size) : size;
+    if (seen.unknowns[k].effect != seen.effect->name) continue;
+    const double away = distance_in_sizes(*coordinate.parameter, value);
+    price += std::log1p(away * away);
+  }
+  const auto base = static_cast<Eigen::Index>(look.base);
+  const Eigen::MatrixXd& information = look.fitted().information;
+  return price - occam_factor(information, typical) +
+         occam_factor(information.topLeftCorner(base, base), typical.head(base));
 }
 
 std::optional<Planner::Moved> Planner::moved(const Seen& seen, size_t parameter,
@@ -50,7 +70,7 @@ std::optional<Planner::Moved> Planner::moved(const Seen& seen, size_t parameter,
     // What counts of a spread is the share by which standard deviations change.
     for (auto& movement : out.look.movement) movement *= spread ? 0.5 : 1;
   }
-  out.look.looks = looks_ * problem_.looks(base_.assessment.model, *seen.effect);
+  out.look.price = price_of(seen, truth, out.look);
   out.look.material = options_.material;
   out.sigma = error_of_value(coordinate, slope_at(coordinate, z), standard_errors(out.look)[k]);
   return out;

@@ -21,15 +21,10 @@ Candidate* choose(const Problem& problem, const Grown& here, std::vector<Candida
   while (!candidates.empty() && candidates.front().significant) {
     Candidate& best = candidates.front();
     if (!best.effect->spread_only) return &best;
-    const auto better = std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& c) {
-      return (problem.is_smooth(c.grown.assessment.model) && clearly_helps(c)) ||
-             (misses && goes_before_spreads(c));
-    });
-    if (better != candidates.end()) return &*better;
-    const Assessment& spread = best.grown.assessment;
-    if (!misses || (!hides_mean(problem, here.assessment, spread) &&
-                    !leads_astray(problem, here.assessment, spread)))
-      return &best;
+    if (!misses) return &best;
+    const auto mean = std::find_if(candidates.begin(), candidates.end(), goes_before_spreads);
+    if (mean != candidates.end()) return &*mean;
+    if (!hides_mean(problem, here.assessment, best.grown.assessment)) return &best;
     best.significant = false, best.hides_mean = true;
     const auto end = std::find_if(candidates.begin() + 1, candidates.end(),
                                   [](const Candidate& c) { return !c.significant; });
@@ -73,25 +68,6 @@ Candidate* choose_by_all_rows(const Problem& problem, const Grown& here, double 
   }
 }
 
-std::optional<Grown> fitted_better(const Problem& problem, const Grown& here, const Candidate* next,
-                                   const std::vector<Candidate>& candidates) {
-  constexpr double kWorth = 0.1;  // Of the candidate's gain.
-  if (here.added.empty()) return std::nullopt;
-  const Candidate* most = nullptr;
-  double gain = next != nullptr ? next->total_gain_ll : 0;
-  for (const Candidate& candidate : candidates) {
-    if (!candidate.of_base || !(candidate.total_gain_ll > gain)) continue;
-    most = &candidate, gain = candidate.total_gain_ll;
-  }
-  if (most == nullptr) return std::nullopt;
-  Grown better = without(most->grown, most->effect->name);
-  better.assessment = assess(problem, better.assessment.model, better.assessment.unknowns);
-  const Assessment& after = better.assessment;
-  if (!after.valid || !(after.total_ll > here.assessment.total_ll + kWorth * gain))
-    return std::nullopt;
-  return better;
-}
-
 bool clearly_needed(const Grown& grown, const std::string& name) {
   const Assessment& here = grown.assessment;
   const effects::ModelEffect* effect = here.model.find(name);
@@ -127,41 +103,6 @@ Grown without(const Grown& grown, const std::string& out) {
   return smaller;
 }
 
-Grown without_at_best(const Problem& problem, const Grown& grown, const std::string& out) {
-  constexpr double kMuch = 0.5;  // Of a correlation.
-  Grown less = without(grown, out);
-  const Assessment& here = grown.assessment;
-  const std::vector<Unknown>& unknowns = here.unknowns;
-  const size_t count = unknowns.size();
-  if (here.fit.covariance.size() != count * count || here.fit.sigma.size() != count) return less;
-  Model there = less.assessment.model;
-  const auto& parameters = here.model.find(out)->definition->parameters;
-  for (size_t gone = 0; gone < count; ++gone) {
-    if (unknowns[gone].effect != out || unknowns[gone].parameter != 0) continue;
-    const double variance = here.fit.covariance[gone * count + gone];
-    const double by = parameters[0].neutral - here.fit.value[gone];
-    if (!(variance > 0) || !std::isfinite(by / variance)) return less;
-    for (size_t k = 0; k < count; ++k) {
-      const Unknown& unknown = unknowns[k];
-      if (unknown.effect == out) continue;
-      const double shared = here.fit.covariance[k * count + gone];
-      // What the data hardly tell at all goes with everything a little.
-      if (!(shared * shared > kMuch * kMuch * variance * here.fit.sigma[k] * here.fit.sigma[k]))
-        continue;
-      const auto& parameter = there.find(unknown.effect)->definition->parameters[unknown.parameter];
-      const double value = here.fit.value[k] + shared / variance * by;
-      if (!std::isfinite(value)) return less;
-      there.set_value(unknown.effect, unknown.parameter,
-                      std::clamp(value, parameter.min, parameter.max));
-    }
-  }
-  const Groups all = problem.all_groups();
-  const Score moved = problem.score(there, all), plain = problem.score(less.assessment.model, all);
-  if (moved.valid && !(plain.valid && plain.log_likelihood >= moved.log_likelihood))
-    less.assessment.model = std::move(there);
-  return less;
-}
-
 namespace {
 
 struct Pruning {
@@ -178,14 +119,10 @@ bool is_missed(const Problem& problem, const Pruning& by, const Grown& grown,
   }
   const Evaluation here = problem.evaluate(less.assessment.model, problem.scored_groups());
   judge(problem, less, here, by.looks, by.material, back);
-  // Draws of the target can take the place of its mean without moving a prediction: whether they do
-  // is told by the likelihood of all groups alone.
-  const bool hidden = back.effect->stage == effects::Stage::target && !back.effect->spread_only &&
-                      back.p_value < kCandidateAlarm && has_draws(less.assessment.model);
-  // A smaller model that a fit brought to a wrong place says nothing.
+  // What is plainly likelier stays, whatever it moves.
   const bool lost =
       grown.assessment.error < kMisfit && back.gain_ll > 0 && back.total_gain_ll > kAnyPrice;
-  return back.significant || hidden || lost;
+  return back.significant || lost;
 }
 
 // Drops what does nothing where the fit put it, all at once: it takes one fit, not one of each.
@@ -222,7 +159,7 @@ bool prune(const Problem& problem, const EffectByName& definition, double looks,
       if (problem.is_smooth(grown.assessment.model) && clearly_needed(grown, grown.added[i]))
         return;
       if (effects::has_dependents(grown.assessment.model, grown.added[i])) return;
-      Grown less = without_at_best(problem, grown, grown.added[i]);
+      Grown less = without(grown, grown.added[i]);
       if (stays_below(problem, less.assessment.model, less.assessment.unknowns,
                       grown.assessment.total_ll - kAnyPrice))
         return;
@@ -233,9 +170,7 @@ bool prune(const Problem& problem, const EffectByName& definition, double looks,
     size_t best = grown.added.size();
     for (size_t i = 0; i < smaller.size(); ++i) {
       if (!smaller[i]) continue;
-      if (best == smaller.size() ||
-          merit_of(problem, *smaller[i]) > merit_of(problem, *smaller[best]))
-        best = i;
+      if (best == smaller.size() || merit_of(*smaller[i]) > merit_of(*smaller[best])) best = i;
     }
     if (best < smaller.size()) {
       grown = std::move(*smaller[best]);

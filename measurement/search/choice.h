@@ -10,20 +10,14 @@
 
 namespace seam::measurement {
 
-// The best candidate, unless it is one of spread while one of the mean clearly helps or lowers the
-// residuals themselves: a spread wide enough hides any structure of the mean. One that only does
-// that, or that leads the mean of `here` astray, is no candidate.
+// The best candidate, unless it is one of spread beside a model that misses more than the noise,
+// while one of the mean lowers the residuals themselves: a spread wide enough hides any structure
+// of the mean. One that only does that is no candidate.
 Candidate* choose(const Problem& problem, const Grown& here, std::vector<Candidate>& candidates);
 
 // The same, it and what may be tied with it fitted to all rows, where a look asked few groups.
 Candidate* choose_by_all_rows(const Problem& problem, const Grown& here, double material,
                               Looks& looks);
-
-// The model refitted from where a candidate's fit left it, where most of what that gained, more
-// than `next` does, is the model's own: its own fit had ended in a wrong place. None where it gains
-// little.
-std::optional<Grown> fitted_better(const Problem& problem, const Grown& here, const Candidate* next,
-                                   const std::vector<Candidate>& candidates);
 
 // Whether an added effect is so far from neutral in its first fitted parameter, its size, that it
 // cannot go: a shortcut.
@@ -34,11 +28,6 @@ bool all_useless(const Grown& base, const Looks& looks);
 
 // A model less one of its added effects, not fitted again.
 Grown without(const Grown& grown, const std::string& out);
-
-// The same, its other values where the fit's covariance has them once the effect is neutral, if the
-// likelihood is higher there: two frictions that stand for each other are told well as a sum alone,
-// and where joints stick and slip no slope leads from one sharing of it to another.
-Grown without_at_best(const Problem& problem, const Grown& grown, const std::string& out);
 
 // Drops, one after the other, the effects added that are not needed beside the rest, fitted again
 // without them, as a search judges that has looked at so many. Returns whether any went.

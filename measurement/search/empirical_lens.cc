@@ -47,8 +47,7 @@ void hold_against_splines(const Problem& problem, const Progress& progress, cons
   if (searched.added.size() > result.best.added.size() &&
       (!best || best->grown.assessment.error > kMisfit)) {
     auto other = with_splines(searched);
-    if (other &&
-        (!best || merit_of(problem, other->grown) > merit_of(problem, best->grown) + kUnnamedWidth))
+    if (other && (!best || merit_of(other->grown) > merit_of(best->grown) + kUnnamedWidth))
       best = std::move(other);
   }
   if (!best || !best->grown.assessment.valid) return;
@@ -56,7 +55,7 @@ void hold_against_splines(const Problem& problem, const Progress& progress, cons
   const Assessment& named = searched.assessment;
   // Where something is left that is no noise, evidence is too sure.
   const double misfit = std::max(1.0, with.error * with.error);
-  const double lead = (merit_of(problem, best->grown) - merit_of(problem, searched)) / misfit;
+  const double lead = (merit_of(best->grown) - merit_of(searched)) / misfit;
   const double more_px2 = std::pow(rms_of(named), 2) - std::pow(rms_of(with), 2);
   if (!(lead > kUnnamedWidth) || !(with.held_ll() > named.held_ll()) ||
       !(more_px2 > std::pow(result.material * noise_px(problem), 2)))

@@ -137,30 +137,16 @@ bool stands_for(const EffectDefinition& leaving, const EffectDefinition& in) {
   return effects::replaces(leaving, in.term) || narrower;
 }
 
-std::optional<size_t> best_exchange(const Problem& problem, const Grown& grown,
-                                    const std::vector<Exchange>& moves,
-                                    const std::vector<std::optional<Grown>>& tried,
-                                    const EffectByName& effect_by_name) {
-  const double error = grown.assessment.error;
-  std::pair best_of{false, merit_of(problem, grown) + kExchangeGain * tie_width(error)};
+std::optional<size_t> best_exchange(const Grown& grown,
+                                    const std::vector<std::optional<Grown>>& tried) {
+  // Less is within what two fits of one model differ by, and the search would go round in circles.
+  double most = merit_of(grown) + kExchangeGain * tie_width(grown.assessment.error);
   std::optional<size_t> best;
-  for (size_t m = 0; m < moves.size(); ++m) {
-    if (!tried[m]) continue;
-    const EffectDefinition& leaving = *effect_by_name(moves[m].out);
-    const EffectDefinition& in = *effect_by_name(moves[m].in);
-    const bool lenses = are_lenses(leaving, in);
-    // Of two that the data cannot tell apart the simpler stays, or comes: that with fewer numbers,
-    // of lenses with as many that of the narrower family.
-    const std::pair of_it{fitted_parameters(*tried[m]), lenses ? in.parameters.size() : 0};
-    const std::pair of_this{fitted_parameters(grown), lenses ? leaving.parameters.size() : 0};
-    const bool tie = cannot_tell(weight_of(*tried[m]), weight_of(grown), error);
-    const double lost = grown.assessment.held_ll() - tried[m]->assessment.held_ll();
-    if ((tie && of_it > of_this) || lost > (tie && of_it < of_this ? -kUnluckyLoss : 0)) continue;
-    // Of lenses it comes whatever its merit, which charges three numbers that are told more than
-    // four of a wider family that are not.
-    const bool simpler_lens = tie && of_it < of_this && lenses;
-    const std::pair its{simpler_lens, merit_of(problem, *tried[m])};
-    if (its > best_of) best_of = its, best = m;
+  for (size_t m = 0; m < tried.size(); ++m) {
+    if (!tried[m] || tried[m]->assessment.held_ll() < grown.assessment.held_ll() + kUnluckyLoss)
+      continue;
+    const double merit = merit_of(*tried[m]);
+    if (merit > most) most = merit, best = m;
   }
   return best;
 }
@@ -182,7 +168,7 @@ std::optional<Grown> Exchanges::better(const Grown& grown,
                                        const EffectByName& effect_by_name) const {
   const auto moves = possible_exchanges(problem_, grown, promising, effect_by_name);
   const auto once = tried(grown, moves, effect_by_name);
-  const auto best = best_exchange(problem_, grown, moves, once, effect_by_name);
+  const auto best = best_exchange(grown, once);
   return best ? once[*best] : std::nullopt;
 }
 

@@ -31,12 +31,9 @@ std::vector<Exchange> possible_exchanges(const Problem& problem, const Grown& gr
                                          const std::vector<std::string>& promising,
                                          const EffectByName& effect_by_name);
 
-// Which of these exchanges makes the whole clearly better, or as good with a simpler lens; nothing
-// where none does.
-std::optional<size_t> best_exchange(const Problem& problem, const Grown& grown,
-                                    const std::vector<Exchange>& moves,
-                                    const std::vector<std::optional<Grown>>& tried,
-                                    const EffectByName& effect_by_name);
+// Which of these exchanges is clearly ahead in evidence; nothing where none is.
+std::optional<size_t> best_exchange(const Grown& grown,
+                                    const std::vector<std::optional<Grown>>& tried);
 
 // Exchanges of one effect for another, each worked out once: the search asks for them where it
 // would end, and then again which of them tie with its steps.

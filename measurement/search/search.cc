@@ -37,20 +37,17 @@ class Searcher {
     const Assessment given = assess(problem_, model_, refitted_unknowns(model_));
     return {.assessment = given, .given_error = given.error};
   }
-  Grown grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces,
-             const Grown* rival = nullptr);
+  Grown grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces);
   Looks look(const Grown& grown, bool promising_only, Asked asked);
   EffectList absent(const Model& model, bool moves) const;
   void forward(SearchResult& result, const Grown* earlier);
   std::optional<Grown> again(const Grown& earlier);
   void begin_with(const Candidate& beginning, SearchResult& result);
-  void try_beginnings(SearchResult& result);
   bool misses(const Assessment& assessment) const;
   Looks look_at_moves() const;
   void begin_with_moves(const Looks& moves, SearchResult& result);
   void begin_with_dependents(const Grown& base, SearchResult& result);
   bool widens(const Grown& grown) const;
-  void begin_with_rest(SearchResult& result);
   void begin_with_refused(SearchResult& result);
   bool prune(Grown& grown) {
     return measurement::prune(
@@ -97,9 +94,8 @@ Looks Searcher::look(const Grown& grown, bool promising_only, Asked asked) {
 }
 
 // Adds to a model what helps most, again and again; `traces` are those of the last look. The first
-// may have been had before. Ends early where it falls behind a rival.
-Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces,
-                     const Grown* rival) {
+// may have been had before.
+Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces) {
   std::vector<Grown> way = {base_};
   for (size_t step = 0; step < kMostSteps; ++step) {
     if (!grown.added.empty()) way.push_back(grown);
@@ -126,37 +122,23 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
       if (next) farther.push_back(next->grown);
       if ((no_name_explains_ = names_imitate(problem_, farther, material_, causes_))) break;
     }
-    if (auto better = fitted_better(problem_, grown, next, looks.candidates)) {
-      grown = *std::move(better);
-      prune(grown);
-      continue;
-    }
-    const double before = merit_of(problem_, grown);
-    const size_t parameters_before = fitted_parameters(grown);
-    const double error_before = grown.assessment.error;
+    const double before = merit_of(grown);
     const std::vector<std::string> added_before = grown.added;
-    bool exchanged = false;
-    const auto exchange = [&](const std::vector<std::string>& promising) {
-      auto better = exchanges_.better(grown, promising,
-                                      [&](const std::string& name) { return definition(name); });
-      if (!better) return false;
-      grown = *std::move(better);
-      prune(grown);
-      return exchanged = true;
-    };
-    // A wider noise would hide that the lens is another.
-    const bool hides = next && next->effect->spread_only && misses;
-    if (next && !(hides && exchange({}))) {
+    if (next) {
       grown = std::move(next->grown);
       prune(grown);
     }
     // All exchanges, each as dear as a look, are tried where the search would end: also where what
     // was added went again.
-    if (!exchanged && grown.added == added_before && !exchange(promising_)) break;
+    if (grown.added == added_before) {
+      auto better = exchanges_.better(grown, promising_,
+                                      [&](const std::string& name) { return definition(name); });
+      if (!better) break;
+      grown = *std::move(better);
+      prune(grown);
+    }
     grown = named_by_camera(problem_, std::move(grown));
-    const bool simpler = exchanged && fitted_parameters(grown) < parameters_before;
-    if (!(merit_of(problem_, grown) > before) && !simpler) break;
-    if (rival != nullptr && falls_behind(grown.assessment, error_before, rival->assessment)) break;
+    if (!(merit_of(grown) > before)) break;
   }
   return grown;
 }
@@ -169,10 +151,10 @@ void Searcher::begin_with(const Candidate& beginning, SearchResult& result) {
   Grown other = beginning.grown;
   if (beginning.of_few)
     other.assessment = assess(problem_, other.assessment.model, other.assessment.unknowns);
-  if (prune(other)) other = less_untold(problem_, std::move(other));
+  prune(other);
   other = grow(std::move(other), nullptr, traces);
   no_name_explains_ = false;  // Another beginning may still.
-  if (merit_of(problem_, other) <= merit_of(problem_, result.best)) return;
+  if (merit_of(other) <= merit_of(result.best)) return;
   // One that helped no held-out group by itself must do so with what came to it.
   if (!beginning.significant && other.assessment.held_ll() <= result.best.assessment.held_ll())
     return;
@@ -215,17 +197,14 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
                            !explained_without_name(problem_, {base_}, material_, causes_);
   if (moves_first) begin_with_moves(moves_ = look_at_moves(), result);
   std::vector<Candidate> traces;
-  Grown alone = found ? grow(*std::move(found), nullptr, traces)
-                      : grow(base_, &first_, traces, moves_first ? &result.best : nullptr);
-  if (!(merit_of(problem_, alone) < merit_of(problem_, result.best))) {
+  Grown alone = found ? grow(*std::move(found), nullptr, traces) : grow(base_, &first_, traces);
+  if (!(merit_of(alone) < merit_of(result.best))) {
     result.best = std::move(alone);
     result.last_traces = std::move(traces);
   }
-  if (problem_.effects_imitate()) try_beginnings(result);
   if (!moves_first && misses(result.best.assessment) &&
       !explained_without_name(problem_, {base_, result.best}, material_, causes_))
     begin_with_moves(moves_ = look_at_moves(), result);
-  begin_with_rest(result);
   begin_with_refused(result);
   result.first = first_;
   join(moves_, result.first);
@@ -248,8 +227,7 @@ Looks Searcher::look_at_moves() const {
 // were fitted and not yet where they were not: what grows from them decides.
 void Searcher::begin_with_moves(const Looks& moves, SearchResult& result) {
   for (const Candidate& candidate : moves.candidates) {
-    const bool fits =
-        candidate.p_value < kCandidateAlarm && candidate.merit > merit_of(problem_, base_);
+    const bool fits = candidate.merit > merit_of(base_) + kOdds;
     if (!candidate.significant && !fits) continue;
     begin_with_dependents(candidate.grown, result);
     if (misses(result.best.assessment) || widens(result.best)) begin_with(candidate, result);
@@ -275,40 +253,12 @@ void Searcher::begin_with_dependents(const Grown& base, SearchResult& result) {
   begin_with(*all, result);
 }
 
-// Two of those that a motor still lacks may help nothing one by one, and lead to the truth
-// together.
-void Searcher::begin_with_rest(SearchResult& result) {
-  if (result.best.assessment.error <= kUseless) return;
-  const auto rest = with_other_of_servo(problem_, result.best, own_);
-  if (rest && rest->grown.assessment.error <= kUseless) begin_with(*rest, result);
-}
-
 // A spread may hide a mean whose own effect helps only beside it: a lag under a way that wanders.
 void Searcher::begin_with_refused(SearchResult& result) {
   const auto& first = first_.candidates;
   const auto refused =
       std::find_if(first.begin(), first.end(), [](const Candidate& c) { return c.hides_mean; });
   if (refused != first.end() && misses(result.best.assessment)) begin_with(*refused, result);
-}
-
-void Searcher::try_beginnings(SearchResult& result) {
-  // The best first step may stand for several effects at once, from where none of them helps alone:
-  // others begin too, the simplest first.
-  std::vector<const Candidate*> beginnings;
-  for (const Candidate& candidate : first_.candidates) {
-    const auto& added = result.best.added;
-    const bool taken = std::find(added.begin(), added.end(), candidate.effect->name) != added.end();
-    const bool helps = candidate.p_value < kCandidateAlarm && candidate.gain_ll > 0;
-    if (helps && !candidate.trace && !candidate.effect->spread_only && !taken)
-      beginnings.push_back(&candidate);
-  }
-  std::stable_sort(
-      beginnings.begin(), beginnings.end(),
-      [](const Candidate* a, const Candidate* b) { return a->free.size() < b->free.size(); });
-  if (beginnings.size() > kBeginnings) beginnings.resize(kBeginnings);
-  for (const Candidate* beginning : beginnings) {
-    if (result.best.assessment.error > kMisfit) begin_with(*beginning, result);
-  }
 }
 
 SearchResult Searcher::run() {

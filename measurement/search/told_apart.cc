@@ -6,7 +6,6 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "effects/questions.h"
 #include "measurement/fitting/parameter_space.h"
@@ -252,67 +251,40 @@ std::vector<Unknown> left_out_before(const Problem& problem, const Assessment& h
   return left_out;
 }
 
-// Values of added effects of which there are several are tried without: with others free in their
-// place, which are to be told then, or, where this says so, without any.
-using MayGo =
-    std::function<bool(const Assessment& here, const Unknown& which, std::vector<Unknown>& in)>;
-
-// The first value of the effect that may go and without which nothing is lost, gone.
+// The first value of the effect that hangs on others, and without which nothing is lost, gone.
 std::optional<Assessment> one_less(const Problem& problem, const Assessment& here,
-                                   const std::string& name, const MayGo& may_go) {
-  const EffectDefinition& effect = *here.model.find(name)->definition;
+                                   const std::string& name) {
   const auto of_it = [&](const Unknown& unknown) { return unknown.effect == name; };
   if (std::count_if(here.unknowns.begin(), here.unknowns.end(), of_it) < 2) return std::nullopt;
-  for (const size_t i : first_to_go(effect)) {
+  const std::vector<double> worse = worse_beside_others(here.fit);
+  double most = 0;  // Of the effect's values: where one hangs on the others, these hang on it.
+  for (size_t k = 0; k < worse.size(); ++k) {
+    if (of_it(here.unknowns[k])) most = std::max(most, worse[k]);
+  }
+  for (const size_t i : first_to_go(*here.model.find(name)->definition)) {
     const Unknown unknown{name, i};
-    std::vector<Unknown> in;
-    if (!index_of(here.unknowns, unknown)) continue;
-    const bool alone = may_go(here, unknown, in);
+    const auto at = index_of(here.unknowns, unknown);
+    if (!at) continue;
+    const std::vector<Unknown> in = left_out_before(problem, here, unknown);
     std::optional<Assessment> less;
     if (!in.empty()) less = as_good_without(problem, here, unknown, in);
-    if (!less && alone) less = as_good_without(problem, here, unknown, {});
+    if (!less && worse[*at] > kMayHangOnOthers && (most > kHangsOnOthers || !in.empty()))
+      less = as_good_without(problem, here, unknown, {});
     if (less) return less;
   }
   return std::nullopt;
 }
 
-Grown less_of(const Problem& problem, Grown grown, const MayGo& may_go) {
-  for (const std::string& name : grown.added) {
-    Assessment& here = grown.assessment;
-    if (!here.model.find(name)->definition->has_neutral) continue;
-    while (auto less = one_less(problem, here, name, may_go)) here = *std::move(less);
-  }
-  return grown;
-}
-
 }  // namespace
-
-Grown less_untold(const Problem& problem, Grown grown) {
-  return less_of(
-      problem, std::move(grown),
-      [](const Assessment& here, const Unknown& which, std::vector<Unknown>&) {
-        const size_t k = *index_of(here.unknowns, which);
-        const double neutral =
-            here.model.find(which.effect)->definition->parameters[which.parameter].neutral;
-        return here.fit.sigma[k] > std::abs(here.fit.value[k] - neutral);
-      });
-}
 
 Grown less_tangled(const Problem& problem, Grown grown) {
   if (!problem.is_smooth(grown.assessment.model) || problem.screening_groups()) return grown;
-  return less_of(
-      problem, std::move(grown),
-      [&](const Assessment& here, const Unknown& which, std::vector<Unknown>& in) {
-        const std::vector<double> worse = worse_beside_others(here.fit);
-        double most =
-            0;  // Of the effect's values: where one hangs on the others, these hang on it.
-        for (size_t k = 0; k < worse.size(); ++k) {
-          if (here.unknowns[k].effect == which.effect) most = std::max(most, worse[k]);
-        }
-        in = left_out_before(problem, here, which);
-        return worse[*index_of(here.unknowns, which)] > kMayHangOnOthers &&
-               (most > kHangsOnOthers || !in.empty());
-      });
+  for (const std::string& name : grown.added) {
+    Assessment& here = grown.assessment;
+    if (!here.model.find(name)->definition->has_neutral) continue;
+    while (auto less = one_less(problem, here, name)) here = *std::move(less);
+  }
+  return grown;
 }
 
 }  // namespace seam::measurement

@@ -31,10 +31,6 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
                                         const Evaluation* near, std::vector<NotTestable>& reasons,
                                         LinearStep& step);
 
-// Of effects with several parameters those that are no further from neutral than their error, and
-// without which nothing is lost, are back at neutral: shares of friction that do the same, say.
-Grown less_untold(const Problem& problem, Grown grown);
-
 // Of effects of which several values do the same together (a factor that both polynomials of a
 // quotient have in common) those with the widest bounds (the highest powers) and the last are at
 // neutral, and none of those that go later is left out in their place: of equals the simplest,

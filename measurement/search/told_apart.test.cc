@@ -257,41 +257,19 @@ TEST_F(Quotient, ALowerPowerComesInThePlaceOfAHigher) {
   EXPECT_NEAR(values[3], truth[3], 0.001);
 }
 
-// A model of one lens, of whose numbers so many are fitted and so many of these are told.
-Grown of_lens(const std::string& name, size_t told, size_t fitted, double gain) {
-  Grown g{.added = {name}};
-  g.assessment.model.add_neutral(effects::find_effect(name));
-  for (size_t k = 0; k < fitted; ++k) {
-    g.assessment.unknowns.push_back({name, k});
-    g.assessment.fit.value.push_back(k < told ? 0.1 : 0.01);
-    g.assessment.fit.sigma.push_back(0.02);
-  }
-  g.assessment.total_ll = gain, g.assessment.error = 1;
-  return g;
-}
-
-// Whether the one comes in the place of the other.
-bool comes_for(const Problem& problem, const Grown& here, const Grown& other) {
-  return best_exchange(problem, here, {{here.added[0], other.added[0]}}, {other},
-                       [](const std::string& name) { return effects::find_effect(name); })
-      .has_value();
-}
-
-// By prices alone three numbers that are told would cost more than four that are not.
-TEST(Exchange, OfEqualLensesTheSimplerComes) {
-  const MadeProblem problem(evenly(-1, 1, 160), 0.5,
-                            [](const std::vector<double>& p, double) { return p[0]; });
-  for (const bool equal : {true, false}) {
-    const Grown wide = of_lens("fisheye", 1, 4, 1000);
-    const Grown narrow = of_lens("radial_polynomial", 3, 3, equal ? 999 : 990);
-    EXPECT_LT(merit_of(problem, narrow), merit_of(problem, wide));
-    EXPECT_EQ(comes_for(problem, wide, narrow), equal);
-  }
-  // Of as many numbers: three of a rational lens are no less than a polynomial's three.
-  const Grown rational = of_lens("rational_lens", 3, 3, 1000.5);
-  const Grown polynomial = of_lens("radial_polynomial", 3, 3, 1000);
-  EXPECT_TRUE(comes_for(problem, rational, polynomial));
-  EXPECT_FALSE(comes_for(problem, polynomial, rational));
+// Of several exchanges the one that is most ahead comes, unless held-out groups deny it; what two
+// fits of one model may differ by moves nothing.
+TEST(Exchange, WhatIsClearlyAheadComes) {
+  const auto with = [](double total, double held) {
+    Grown g;
+    g.assessment.total_ll = total, g.assessment.held.log_likelihood = held;
+    g.assessment.error = 1;
+    return std::optional(g);
+  };
+  const Grown here = *with(1000, 300);
+  EXPECT_FALSE(best_exchange(here, {std::nullopt, with(1001, 300)}));
+  EXPECT_EQ(best_exchange(here, {with(1002, 300), with(1003, 300), std::nullopt}), 1u);
+  EXPECT_EQ(best_exchange(here, {with(1002, 299), with(1003, 297)}), 0u);
 }
 
 TEST(Exchange, ALensMayGoForANarrowerOne) {

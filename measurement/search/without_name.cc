@@ -186,8 +186,7 @@ std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::ve
                                            double material, const KnownCauses& known) {
   std::vector<Explanation> explanations;
   for (const Grown& g : grown)
-    explanations.push_back(
-        {&g.assessment, merit_of(problem, g), adds_noise_alone(g, grown.back())});
+    explanations.push_back({&g.assessment, merit_of(g), adds_noise_alone(g, grown.back())});
   auto cause = unnamed_cause(problem, explanations, material, known);
   if (cause && !explains_better(cause->lead, cause->error_after, grown.back(),
                                 adds_means_alone(grown[cause->beside], grown.back())))
@@ -263,16 +262,15 @@ bool look_for_formula(const Problem& problem, const Progress& progress, const Kn
     if (!found) continue;
     // Where something is left that is no noise, evidence is too sure.
     const double misfit = std::max(1.0, found->error * found->error);
-    const double named = grown[place].assessment.total_ll - merit_of(problem, grown[place]);
-    const double lead = (found->log_evidence - named - merit_of(problem, last)) / misfit;
+    const double named = grown[place].assessment.total_ll - merit_of(grown[place]);
+    const double lead = (found->log_evidence - named - merit_of(last)) / misfit;
     if (!explains_better(lead, found->error, last, adds_means_alone(grown[place], last))) continue;
     if (result.unnamed && place == result.unnamed->beside &&
         share_taken(found->error_before, found->error) <
             kOwnBesideUnnamed *
                 share_taken(result.unnamed->error_before, result.unnamed->error_after))
       continue;
-    // Of equals the one with the fewest effects.
-    if (result.suggestion && lead < most + kTieWidth) continue;
+    if (result.suggestion && lead < most) continue;
     result.suggestion = std::move(found), beside = place, most = lead;
   }
   if (!result.suggestion || beside == result.steps.size()) return false;

@@ -50,6 +50,13 @@ std::string Proposer::name() const {
   return name;
 }
 
+// Whether a formula explains nothing, far behind a rival, and its last term changed little about
+// it.
+bool falls_behind(const Assessment& here, double error_before, const Assessment& rival) {
+  return here.error > kUseless && kPlainlyLess * here.error > rival.error &&
+         here.error > kPlainlyLess * error_before;
+}
+
 Formula Proposer::fitted_to(const Problem& problem, const Assessment& base,
                             std::vector<Term> terms) const {
   Formula found{.vocabulary = &vocabulary_, .terms = std::move(terms)};
@@ -74,7 +81,7 @@ Formula Proposer::fitted_to(const Problem& problem, const Assessment& base,
   const double misfit = std::max(1.0, found.assessment.error * found.assessment.error);
   found.merit = found.log_evidence = found.assessment.total_ll;
   for (const Term& term : found.terms) {
-    const double price = kPriceOfClear * std::log(library_.count()) * term.parameters();
+    const double price = kPriceOfNumber * std::log(library_.count()) * term.parameters();
     found.merit -= price * misfit;
     found.log_evidence -= price + std::log(library_.looks());
   }
@@ -98,7 +105,7 @@ bool Proposer::supported(const Formula& before, const Formula& after) const {
   const Term& last = after.terms.back();
   const double misfit = std::max(1.0, after.assessment.error * after.assessment.error);
   const double ratio = 2 * (after.assessment.total_ll - before.assessment.total_ll) / misfit;
-  if (!(chi2_tail(ratio, last.parameters()) * library_.looks() < kCandidateAlarm)) return false;
+  if (!(chi2_tail(ratio, last.parameters()) * library_.looks() < kAlarm)) return false;
   const double excess = std::pow(before.assessment.error, 2) - 1;
   const double left = std::pow(after.assessment.error, 2) - 1;
   if (before.assessment.error > kMisfit && left > (1 - kLeastOfExcess) * excess) return false;

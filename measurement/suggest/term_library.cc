@@ -259,7 +259,7 @@ void TermLibrary::set_coefficient(const ByScalar& column, const ByScalar& own, T
 }
 
 double TermLibrary::price_of_number() const {
-  return kPriceOfClear * std::log(count_) * misfit_;
+  return kPriceOfNumber * std::log(count_) * misfit_;
 }
 
 std::vector<double> TermLibrary::rest_of(const Along& along) const {

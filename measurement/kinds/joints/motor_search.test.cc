@@ -26,32 +26,6 @@ double rms_of(const std::vector<double>& values) {
   return std::sqrt(sum2 / static_cast<double>(values.size()));
 }
 
-// A fit that saturates everywhere swings from side to side, and no step leads from there.
-TEST(MotorSearch, AFitThatACandidateLeftForABetterPlaceGoesOnThere) {
-  const std::string motor =
-      "  motor_servo: {stall_rad_per_s2: 200, back_emf_per_s: 10, gain: 0.1}\n";
-  const std::string friction = "  coulomb_friction: {rad_per_s2: 2}\n";
-  const JointsProblem problem = MadeSet("motor-better").made_by(model_of(motor + friction), 6);
-  const Model stuck =
-      model_of("  motor_servo: {stall_rad_per_s2: 180, back_emf_per_s: 20, gain: 100000}\n");
-  const Grown here{.added = {"motor_servo"}, .assessment = assess_fixed(problem, stuck)};
-  const Model good = model_of(kFree + friction);
-  Candidate candidate{.effect = effects::find_effect("coulomb_friction")};
-  candidate.grown = {.added = {"motor_servo", "coulomb_friction"},
-                     .assessment = assess_fixed(problem, good)};
-  candidate.grown.assessment.unknowns = refitted_unknowns(good);
-  candidate.total_gain_ll = candidate.grown.assessment.total_ll - here.assessment.total_ll;
-  EXPECT_FALSE(fitted_better(problem, here, nullptr, {candidate}));
-  candidate.of_base = true;
-  const auto better = fitted_better(problem, here, nullptr, {candidate});
-  ASSERT_TRUE(better);
-  EXPECT_EQ(better->added, std::vector<std::string>{"motor_servo"});
-  EXPECT_FALSE(better->assessment.model.has("coulomb_friction"));
-  EXPECT_NEAR(better->assessment.model.find("motor_servo")->value("gain"), 0.1, 0.03);
-  const Candidate next = candidate;  // What gains as much is taken first.
-  EXPECT_FALSE(fitted_better(problem, here, &next, {candidate}));
-}
-
 TEST(MotorSearch, PartsOfAMotorAreAllFittedWhileItMisses) {
   const JointsProblem problem =
       MadeSet("motor-parts")

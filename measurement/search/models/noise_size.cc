@@ -16,7 +16,7 @@ struct Sizes {
 };
 
 Sizes sizes_of(const Problem& problem, const Evaluation& here) {
-  const double price = kPriceOfClear * std::log(static_cast<double>(count_used(problem)));
+  const double price = kPriceOfNumber * std::log(static_cast<double>(count_used(problem)));
   Sizes sizes;
   for (size_t c = 0; c < problem.facts().channels.size(); ++c) {
     sizes.factor.push_back(1);
@@ -55,9 +55,9 @@ bool correct_noise(Problem& problem, const Grown& best) {
   if (!assess_again()) return false;
   Sizes sizes = sizes_of(problem, problem.evaluate(less.assessment.model, problem.all_groups()));
   if (!(sizes.price > 0)) return false;
-  const double enough = merit_of(problem, best) - kTieWidth;
+  const double enough = merit_of(best) - kTieWidth;
   problem.resize_noise(sizes.factor);
-  if (assess_again() && merit_of(problem, less) - sizes.price >= enough) return true;
+  if (assess_again() && merit_of(less) - sizes.price >= enough) return true;
   for (double& factor : sizes.factor) factor = 1 / factor;
   problem.resize_noise(sizes.factor);
   return false;

@@ -142,7 +142,7 @@ json prospect_json(const measurement::Problem& problem, const measurement::Grown
                  {"error", finite_or_null<json>(end.error)},
                  {"gain", finite_or_null<json>(measurement::gain_of(base.assessment, end.error))},
                  {"p_value", p_value},
-                 {"significant", p_value < measurement::kCandidateAlarm},
+                 {"significant", p_value < measurement::kAlarm},
                  {"log_likelihood_gain", finite_or_null<json>(end.gain_ll)},
                  {"parameters", values_of(prospect.effect->name)}};
   for (const auto& companion : prospect.companions)
