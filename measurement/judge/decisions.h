@@ -144,9 +144,6 @@ inline constexpr double kExchangeGain = 0.25;
 inline constexpr size_t kMostSteps = 8;
 // Effects that were significant in some look are tried in exchanges, as many as these.
 inline constexpr size_t kMostPromising = 8;
-// Other first steps from which the search begins where effects imitate each other. A judgement: a
-// beginning costs as much as the whole search.
-inline constexpr size_t kBeginnings = 3;
 // An effect so many standard errors from neutral cannot go: dropping it would lose 32 units, more
 // than any price. It saves the fit that would show it.
 inline constexpr double kCannotGo = 8;
