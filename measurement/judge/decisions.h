@@ -28,12 +28,8 @@ inline constexpr double kMisfit = 1.15;
 // A model with an error above this explains nothing yet: its outliers mean nothing, and training
 // groups can be fitted by what is wrong elsewhere. A judgement.
 inline constexpr double kUseless = 10;
-// Up to this error a model that is so many times better than the given one explains something, and
-// has outliers; they may be what a better one still misses.
-inline constexpr double kPoor = 40, kMuchBetter = 4;
-inline bool explains_something(double error, double given) {
-  return error <= kUseless || (error <= kPoor && kMuchBetter * error <= given);
-}
+// Nor does any effect where even the best is not so many times better than the model given.
+inline constexpr double kMuchBetter = 4;
 
 // An effect whose values lie within so many of their stated errors of neutral is no result: the
 // interval that holds the truth in 95 % of sets holds its absence.
@@ -110,11 +106,6 @@ inline constexpr double kManyErrors = 3, kManyScatters = 5, kMadeShare = 0.1;
 // Two explanations within this many units count as equally good: a likelihood ratio of 100 to 1.
 // In units of the misfit where a model misses more than the noise.
 inline constexpr double kTieWidth = 4.6;
-// Further parameters may put one ahead by what needless ones gain by chance in one of a hundred
-// cases: 5.7 units for three. The simplest of such a tie goes first: before, a lens with one
-// parameter lost to one with three or four, none of the further ones needed, in 4 of 31 made
-// boards.
-inline constexpr double kTieAlarm = 0.01;
 // Ties are passed on (where a is as good as b and b as c, all three are declared), but no further
 // from the best than so many widths: there the likelihood ratio is 10,000 to 1. A judgement.
 inline constexpr double kTieReach = 2;

@@ -77,14 +77,6 @@ double tie_width(double error) {
   return kTieWidth * std::max(1.0, error * error);
 }
 
-size_t fitted_parameters(const Grown& grown) {
-  size_t count = 0;
-  for (const Unknown& unknown : grown.assessment.unknowns) {
-    count += std::find(grown.added.begin(), grown.added.end(), unknown.effect) != grown.added.end();
-  }
-  return count;
-}
-
 bool is_lens(const EffectDefinition& effect) {
   return effect.term == effects::Term::radial || effects::replaces(effect, effects::Term::radial);
 }
@@ -94,18 +86,8 @@ bool are_lenses(const EffectDefinition& one, const EffectDefinition& other) {
          effects::camera_of(one.name) == effects::camera_of(other.name);
 }
 
-Weight weight_of(const Grown& grown) {
-  return {grown.assessment.total_ll, fitted_parameters(grown)};
-}
-
-bool cannot_tell(const Weight& a, const Weight& b, double error) {
-  const double ahead = a.total_ll - b.total_ll;
-  if (std::abs(ahead) < tie_width(error)) return true;
-  const bool a_has_more = a.parameters > b.parameters;
-  if (a.parameters == b.parameters || a_has_more != (ahead > 0)) return false;
-  const double further =
-      static_cast<double>(a_has_more ? a.parameters - b.parameters : b.parameters - a.parameters);
-  return chi2_tail(2 * std::abs(ahead) / std::max(1.0, error * error), further) > kTieAlarm;
+bool cannot_tell(double log_likelihood, double other, double error) {
+  return std::abs(log_likelihood - other) < tie_width(error);
 }
 
 size_t fitted_parameters(const Candidate& candidate) {
@@ -170,14 +152,6 @@ bool goes_before_spreads(const Candidate& candidate) {
   return candidate.significant && !candidate.effect->spread_only && candidate.fall > kHeardFirst;
 }
 
-namespace {
-
-Weight weight_of(const Candidate& candidate) {
-  return {candidate.total_gain_ll, fitted_parameters(candidate)};
-}
-
-}  // namespace
-
 void rank_candidates(std::vector<Candidate>& candidates) {
   std::stable_sort(candidates.begin(), candidates.end(),
                    [&](const Candidate& a, const Candidate& b) {
@@ -190,7 +164,7 @@ void rank_candidates(std::vector<Candidate>& candidates) {
       const double error = std::min(candidate.grown.assessment.error, other.grown.assessment.error);
       if (&other != &candidate && other.significant &&
           candidate.indistinguishable_from.size() < kMostTiesNamed &&
-          cannot_tell(weight_of(candidate), weight_of(other), error))
+          cannot_tell(candidate.total_gain_ll, other.total_gain_ll, error))
         add_once(candidate.indistinguishable_from, other.effect->name);
     }
   }

@@ -17,7 +17,6 @@ using EffectList = std::vector<std::shared_ptr<const EffectDefinition>>;
 struct Grown {
   std::vector<std::string> added;
   Assessment assessment;
-  double given_error = 0;  // Of the model that the search began with; 0: not known.
 };
 
 struct Candidate {
@@ -86,20 +85,9 @@ bool are_lenses(const EffectDefinition& one, const EffectDefinition& other);
 // The log-likelihood below which two explanations count as equally good.
 double tie_width(double error);
 
-// An explanation for the comparison of two: its total log-likelihood and fitted parameters.
-struct Weight {
-  double total_ll = 0;
-  size_t parameters = 0;
-};
-
-Weight weight_of(const Grown& grown);
-
-// Whether the data cannot tell two explanations apart: they are within the width of a tie, or one
-// is ahead by no more than its further parameters gain by chance. `error` is that of the better.
-bool cannot_tell(const Weight& a, const Weight& b, double error);
-
-// Parameters that were fitted of the effects that a model grew by.
-size_t fitted_parameters(const Grown& grown);
+// Whether the data cannot tell apart two explanations with these log-likelihoods, where the better
+// one leaves this error.
+bool cannot_tell(double log_likelihood, double other, double error);
 
 // Parameters that were fitted of a candidate and its companions.
 size_t fitted_parameters(const Candidate& candidate);

@@ -38,16 +38,12 @@ std::string why_not_planned(const Prospect& prospect, const Facts& facts, bool b
   return "";
 }
 
-Weight grown(const Weight& weight, double by) {
-  return {weight.total_ll * by, weight.parameters};
-}
-
 }  // namespace
 
 double PairGains::repeats_to_part() const {
   constexpr double kMost = 1e4;
-  const auto tied = [&](double by) { return cannot_tell(grown(truth, by), grown(other, by), 1); };
-  if (tied(kMost) || other.total_ll >= truth.total_ll) return kInfinity;
+  const auto tied = [&](double by) { return cannot_tell(truth * by, other * by, 1); };
+  if (tied(kMost) || other >= truth) return kInfinity;
   double low = 0, high = kMost;
   while (high - low > 1e-3 * high) {
     const double middle = 0.5 * (low + high);
@@ -205,12 +201,12 @@ double Planner::gain_beside(const Seen& other, const std::vector<double>& shift)
 std::vector<PlannedTie> Planner::ties_of(const Seen& seen, const Sized& sized) const {
   std::vector<PlannedTie> ties;
   if (sized.shift.empty()) return ties;
-  PairGains pair{.truth = {sized.gain, seen.free.size()}, .other = {}};
+  PairGains pair{.truth = sized.gain};
   for (const Seen& other : seen_) {
     if (&other == &seen || !other.why_not.empty() ||
         other.effect->spread_only != seen.effect->spread_only)
       continue;
-    pair.other = {gain_beside(other, sized.shift), other.free.size()};
+    pair.other = gain_beside(other, sized.shift);
     if (!cannot_tell(pair.truth, pair.other, 1)) continue;
     PlannedTie tie{.effect = other.effect->name};
     // Gains grow with the square of a size, and with the number of sets.
@@ -233,8 +229,8 @@ PairGains Planner::gains(const std::string& effect, double size, const std::stri
   const double to = coordinate.parameter->fit_reciprocal ? 1 / size : (up ? size : -size);
   const auto there = moved(true_one, parameter, to);
   if (!there) return {};
-  return {.truth = {gain_of(there->look.whole(), base_columns(true_one)), true_one.free.size()},
-          .other = {alike ? gain_beside(other_one, there->shift) : 0, other_one.free.size()}};
+  return {.truth = gain_of(there->look.whole(), base_columns(true_one)),
+          .other = alike ? gain_beside(other_one, there->shift) : 0};
 }
 
 // Why effects are not planned, one by one, and parameters of those that are.

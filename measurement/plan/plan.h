@@ -52,7 +52,7 @@ struct PlanOptions {
 
 // How two effects differ in one set, where one of them is in truth.
 struct PairGains {
-  Weight truth, other;
+  double truth = 0, other = 0;  // In log-likelihood.
   // As many sets together as it takes until they are no tie; infinite where none do.
   double repeats_to_part() const;
 };

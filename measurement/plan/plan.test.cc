@@ -125,9 +125,9 @@ TEST(Plan, GroupsThatAreLeftOutInTurnCountOnceForValues) {
 }
 
 TEST(Plan, APairIsApartWhereOneIsAheadByTheWidthOfATie) {
-  const PairGains pair{.truth = {20, 1}, .other = {18, 1}};
+  const PairGains pair{.truth = 20, .other = 18};
   EXPECT_NEAR(pair.repeats_to_part(), kTieWidth / 2, 0.01);
-  EXPECT_FALSE(std::isfinite(PairGains{.truth = {20, 1}, .other = {20, 1}}.repeats_to_part()));
+  EXPECT_FALSE(std::isfinite(PairGains{.truth = 20, .other = 20}.repeats_to_part()));
 }
 
 }  // namespace

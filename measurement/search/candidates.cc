@@ -113,7 +113,7 @@ std::optional<Fitted> fit_from_starts(const Problem& problem, const Grown& base,
         if (!parameter.integer && !parameter.stated) unknowns.push_back({companion->name, i});
       }
     }
-    Fitted fitted{.grown = {.added = base.added, .given_error = base.given_error}};
+    Fitted fitted{.grown = {.added = base.added}};
     Grown& grown = fitted.grown;
     if (prospect.few) {
       Foretaste taste = foretaste(problem, *prospect.few, start, unknowns);
@@ -206,7 +206,7 @@ std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
                                     const Evaluation* near, const FewRows* few) {
   const Model& model = base.assessment.model;
   if (effects::is_excluded(*effect, model)) return std::nullopt;
-  if (effect->draws_estimated && !explains_something(base.assessment.error, base.given_error)) {
+  if (effect->draws_estimated && base.assessment.error > kUseless) {
     reasons.push_back({effect->name, "", "the model misses too much for single draws to be told"});
     return std::nullopt;
   }

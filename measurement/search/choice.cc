@@ -92,7 +92,7 @@ bool all_useless(const Grown& base, const Looks& looks) {
 }
 
 Grown without(const Grown& grown, const std::string& out) {
-  Grown smaller{.added = grown.added, .given_error = grown.given_error};
+  Grown smaller{.added = grown.added};
   std::erase(smaller.added, out);
   Model model = grown.assessment.model;
   model.remove(out);

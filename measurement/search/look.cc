@@ -154,11 +154,9 @@ class Look {
     if (found_[i]) judge(problem_, base_, here_, looks_.tried, material_, *found_[i]);
   }
 
-  // Far from the noise what helps at all: there nothing else is a matter of noise.
   bool any_helps() const {
-    const double least = base_.assessment.error > kUseless ? 0 : kClearGain;
     return std::any_of(found_.begin(), found_.end(), [&](const auto& c) {
-      return c && c->significant && c->held_z > least && !only_widens(*c->effect);
+      return c && c->significant && c->held_z > kClearGain && !only_widens(*c->effect);
     });
   }
 

@@ -160,7 +160,8 @@ void tell_ties(const Problem& problem, const EffectByName& effect_by_name,
     const auto other = exchanges.with_other(searched, result.steps[moves[m].first].effect,
                                             effect_by_name(moves[m].second));
     if (!other) return;
-    tied[m] = cannot_tell(weight_of(searched), weight_of(*other), searched.assessment.error) ||
+    tied[m] = cannot_tell(searched.assessment.total_ll, other->assessment.total_ll,
+                          searched.assessment.error) ||
               !problem.is_visible(searched.assessment.model, other->assessment.model);
   });
   for (size_t m = 0; m < moves.size(); ++m) {

@@ -35,7 +35,7 @@ class Searcher {
   static constexpr size_t kKeptCauses = 32;
   Grown base() const {
     const Assessment given = assess(problem_, model_, refitted_unknowns(model_));
-    return {.assessment = given, .given_error = given.error};
+    return {.assessment = given};
   }
   Grown grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces);
   Looks look(const Grown& grown, bool promising_only, Asked asked);
@@ -47,7 +47,6 @@ class Searcher {
   Looks look_at_moves() const;
   void begin_with_moves(const Looks& moves, SearchResult& result);
   void begin_with_dependents(const Grown& base, SearchResult& result);
-  bool widens(const Grown& grown) const;
   void begin_with_refused(SearchResult& result);
   bool prune(Grown& grown) {
     return measurement::prune(
@@ -230,14 +229,8 @@ void Searcher::begin_with_moves(const Looks& moves, SearchResult& result) {
     const bool fits = candidate.merit > merit_of(base_) + kOdds;
     if (!candidate.significant && !fits) continue;
     begin_with_dependents(candidate.grown, result);
-    if (misses(result.best.assessment) || widens(result.best)) begin_with(candidate, result);
+    if (misses(result.best.assessment)) begin_with(candidate, result);
   }
-}
-
-// Whether a spread was added.
-bool Searcher::widens(const Grown& grown) const {
-  return std::any_of(grown.added.begin(), grown.added.end(),
-                     [&](const std::string& name) { return definition(name)->spread_only; });
 }
 
 // What stays of all at once is what the rest cannot stand in for.
@@ -285,9 +278,8 @@ SearchResult Searcher::run() {
     if (large_errors == LargeErrors::open && estimates && !problem_.left_out().empty())
       large_errors = LargeErrors::proven;
     const bool marked =
-        (large_errors == LargeErrors::in_vain ||
-         explains_something(best.error, base_.assessment.error) ||
-         explains_something(error_beside_outliers(problem_, best.model), base_.assessment.error)) &&
+        (large_errors == LargeErrors::in_vain || best.error <= kUseless ||
+         error_beside_outliers(problem_, best.model) <= kUseless) &&
         mark_outliers(problem_, judge_of_outliers(problem_, model_, result.best, large_errors),
                       result);
     changed = correct_noise(problem_, result.best) || marked;

@@ -7,6 +7,7 @@
 #include "measurement/judge/doubted.h"
 #include "measurement/search/choice.h"
 #include "measurement/search/kept.h"
+#include "measurement/search/order.h"
 
 namespace seam::measurement {
 namespace {
@@ -249,8 +250,9 @@ bool look_for_formula(const Problem& problem, const Progress& progress, const Kn
     return result.steps.size() > 1 && last.assessment.error > 1 &&
            explained_without_name(problem, {result.base}, result.material, known);
   };
+  // Nor instead of noise whose cause is known, as that of photons is.
   if (result.verdict != "unexplained_structure" && last.assessment.error < kMisfit &&
-      of_mean == result.steps.size() && !competes())
+      noises_of_unknown_cause(result).empty() && !competes())
     return false;
   progress("building a formula from the residuals");
   result.formula_sought = true;
