@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measurement/judge/decisions.h"
+
 namespace seam::measurement {
 namespace {
 
@@ -15,11 +17,12 @@ VectorXd eigenvalues_of(const MatrixXd& symmetric) {
   return Eigen::SelfAdjointEigenSolver<MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
-}  // namespace
-
+// In the parameter's unit there.
 double typical_size(const effects::Parameter& parameter, double value) {
   return std::isfinite(parameter.neutral) ? parameter.scale : value * value / parameter.scale;
 }
+
+}  // namespace
 
 double distance_in_sizes(const effects::Parameter& parameter, double value) {
   if (parameter.required) return 0;
@@ -27,11 +30,17 @@ double distance_in_sizes(const effects::Parameter& parameter, double value) {
                                           : parameter.scale / value;
 }
 
-double occam_factor(const MatrixXd& information, const VectorXd& typical) {
-  if (typical.size() == 0) return 0;
+double prior_size(const effects::Parameter& parameter, double value, double sigma) {
+  const double typical = typical_size(parameter, value);
+  if (parameter.required) return typical;
+  const double away = std::abs(distance_in_sizes(parameter, value)) * typical;
+  return std::min(typical, std::max(away, kReachOfNothing * sigma));
+}
+
+double occam_factor(const MatrixXd& information, const VectorXd& sizes) {
+  if (sizes.size() == 0) return 0;
   double factor = 0;
-  for (const double known :
-       eigenvalues_of(typical.asDiagonal() * information * typical.asDiagonal()))
+  for (const double known : eigenvalues_of(sizes.asDiagonal() * information * sizes.asDiagonal()))
     factor -= 0.5 * std::log1p(std::max(known, 0.0));
   return factor;
 }
@@ -51,7 +60,7 @@ double occam_factor(const Assessment& assessment) {
         assessment.model.find(unknown.effect)->definition->parameters[unknown.parameter];
     const double away = distance_in_sizes(parameter, fit.value[k]);
     factor -= std::log1p(away * away);
-    const double size = typical_size(parameter, fit.value[k]);
+    const double size = prior_size(parameter, fit.value[k], fit.sigma[k]);
     const auto at = static_cast<Index>(k);
     if (!std::isfinite(size) || !std::isfinite(fit.sigma[k]) || !(stated(at, at) > 0)) continue;
     known.push_back(at), sizes.push_back(size);

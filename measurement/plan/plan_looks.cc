@@ -29,21 +29,23 @@ EffectLook Planner::look_at_truth(const Seen& seen, const Model& truth, size_t k
 }
 
 double Planner::price_of(const Seen& seen, const Model& truth, const EffectLook& look) const {
-  Eigen::VectorXd typical(static_cast<Eigen::Index>(seen.unknowns.size()));
+  Eigen::VectorXd sizes(static_cast<Eigen::Index>(seen.unknowns.size()));
+  const std::vector<double> errors = standard_errors(look);
   double price = kOdds + std::log(looks_ * problem_.looks(base_.assessment.model, *seen.effect));
   for (size_t k = 0; k < seen.unknowns.size(); ++k) {
     const Coordinate coordinate(truth, seen.unknowns[k]);
     const double z = coordinate.of(truth), value = coordinate.to_value(z);
-    const double size = typical_size(*coordinate.parameter, value) / std::abs(coordinate.slope(z));
-    typical[static_cast<Eigen::Index>(k)] = by_likelihood_ ? to_quadratic(coordinate, size) : size;
+    const double slope = std::abs(slope_at(coordinate, z));
+    sizes[static_cast<Eigen::Index>(k)] =
+        prior_size(*coordinate.parameter, value, slope * errors[k]) / slope;
     if (seen.unknowns[k].effect != seen.effect->name) continue;
     const double away = distance_in_sizes(*coordinate.parameter, value);
     price += std::log1p(away * away);
   }
   const auto base = static_cast<Eigen::Index>(look.base);
   const Eigen::MatrixXd& information = look.fitted().information;
-  return price - occam_factor(information, typical) +
-         occam_factor(information.topLeftCorner(base, base), typical.head(base));
+  return price - occam_factor(information, sizes) +
+         occam_factor(information.topLeftCorner(base, base), sizes.head(base));
 }
 
 std::optional<Planner::Moved> Planner::moved(const Seen& seen, size_t parameter,
