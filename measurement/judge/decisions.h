@@ -14,9 +14,12 @@ namespace seam::measurement {
 // ---- Found or not -------------------------------------------------------------------------------
 
 // An effect counts as found where its log-evidence, with all effects that were looked at as likely,
-// is ahead by this: odds of 12 to 1. With ten looks that is 3.5 standard errors of one parameter.
+// is ahead by this: odds of 12 to 1. With ten looks that is 3.5 standard errors of one parameter,
+// with the power and the false alarms of docs/evidence/benchmark.md ("Numbers 2200"); with 2 a null
+// set of whole runs named an effect (Outcomes.NothingHiddenNothingFound).
 inline constexpr double kOdds = 2.5;
-// Standard errors that a value may reach where the effect is not there: priors are no narrower.
+// Standard errors that a value may reach where the effect is not there: priors are no narrower. A
+// judgement.
 inline constexpr double kReachOfNothing = 3;
 // Structure tests are designed for false alarms in half of 1 % of sets. Measured: 0 to 3 in 200
 // sets of each kind (docs/evidence/studies.md, "Measured").

@@ -77,15 +77,6 @@ double tie_width(double error) {
   return kTieWidth * std::max(1.0, error * error);
 }
 
-bool is_lens(const EffectDefinition& effect) {
-  return effect.term == effects::Term::radial || effects::replaces(effect, effects::Term::radial);
-}
-
-bool are_lenses(const EffectDefinition& one, const EffectDefinition& other) {
-  return is_lens(one) && is_lens(other) &&
-         effects::camera_of(one.name) == effects::camera_of(other.name);
-}
-
 bool cannot_tell(double log_likelihood, double other, double error) {
   return std::abs(log_likelihood - other) < tie_width(error);
 }

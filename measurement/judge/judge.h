@@ -78,10 +78,6 @@ void add_once(std::vector<std::string>& names, const std::string& name);
 void remember_significant(const std::vector<Candidate>& candidates,
                           std::vector<std::string>& names);
 
-// Whether it says how the distance from the axis is bent; whether both do, of the same camera.
-bool is_lens(const EffectDefinition& effect);
-bool are_lenses(const EffectDefinition& one, const EffectDefinition& other);
-
 // The log-likelihood below which two explanations count as equally good.
 double tie_width(double error);
 

@@ -90,12 +90,6 @@ class Problem {
   virtual const Problem& with_residuals() const { return *this; }
 
   virtual Score score(const Model& model, const Groups& groups) const;
-  // The same of a model that differs little from one that was fitted: its nuisances may start where
-  // those ended. Default: they need no start.
-  virtual Score score_beside(const Model& model, const Groups& groups,
-                             const Model& /*fitted*/) const {
-    return score(model, groups);
-  }
   // The same for groups that are held out, given all others: where groups share draws (a target's
   // displaced points), these were estimated from the others. Default: groups share none.
   virtual Score score_held_out(const Model& model, const Groups& groups) const {
@@ -163,9 +157,6 @@ class Problem {
   // Where the model puts the points of a target, with what is drawn once and estimated; empty
   // where it leaves them at their plan.
   virtual std::vector<PlacedPoint> placed_points(const Model&) const { return {}; }
-  // Whether one effect can do about what several others do together, so that the best first step
-  // may be a blind alley and the search begins with others too.
-  virtual bool effects_imitate() const { return false; }
   // Where predictions are dear: the few training groups on which candidates are screened before any
   // is fitted to all of them.
   virtual std::optional<Groups> screening_groups() const { return std::nullopt; }

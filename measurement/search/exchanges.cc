@@ -22,6 +22,11 @@ bool may_take_the_place(const EffectDefinition& in, const EffectDefinition& leav
          in.replaces_base == leaving.replaces_base || effects::replaces(leaving, in.term);
 }
 
+// Whether it says how the distance from the axis is bent.
+bool is_lens(const EffectDefinition& effect) {
+  return effect.term == effects::Term::radial || effects::replaces(effect, effects::Term::radial);
+}
+
 // Whether the exchange is another than the one of these two: an effect that pushes out more of what
 // was added does less than the same in the place of what it pushes out, and a lens of one camera
 // says nothing of another's.

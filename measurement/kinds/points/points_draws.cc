@@ -247,15 +247,6 @@ Score PointsProblem::score_held_out(const Model& model, const Groups& groups) co
   return score_of(*this, evaluate_held_out(model, groups));
 }
 
-Score PointsProblem::score_beside(const Model& model, const Groups& groups,
-                                  const Model& fitted) const {
-  if (!effects::target_of(model).has_draws()) return score(model, groups);
-  Evaluation beside;
-  beside.nuisance_values = start_beside(fitted, groups);
-  if (beside.nuisance_values.empty()) return score(model, groups);
-  return score_of(*this, evaluate(model, groups, &beside));
-}
-
 std::vector<std::vector<double>> PointsProblem::jacobian_draws(const Model& model,
                                                                const std::vector<Unknown>& unknowns,
                                                                const Groups& groups,

@@ -32,7 +32,6 @@ class PointsProblem : public Problem, public HasViews {
                       const Evaluation* warm) const override;
   Evaluation evaluate_held_out(const Model& model, const Groups& groups) const override;
   Score score_held_out(const Model& model, const Groups& groups) const override;
-  Score score_beside(const Model& model, const Groups& groups, const Model& fitted) const override;
   Fit fit(const Model& start, const std::vector<Unknown>& unknowns,
           const Groups& groups) const override;
   std::vector<std::vector<double>> jacobian(const Model& model,

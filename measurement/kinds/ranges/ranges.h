@@ -40,7 +40,6 @@ class RangesProblem : public Problem {
                                    int fitted) const override;
   void check_model(const Model& model) const override;
   bool is_smooth(const Model&) const override { return true; }
-  bool effects_imitate() const override { return true; }  // All of them change one distance.
   // A look at every effect costs less than fits of all: only the promising ones are fitted.
   std::optional<Groups> screening_groups() const override { return all_groups(); }
   std::string not_testable(const Model& model, const EffectDefinition& effect,
