@@ -136,6 +136,8 @@ async function formulaAndSession(page, server) {
   await page.getByText(/my_effect does not help: the error was [\d.]+ without. Undo takes it back/).waitFor();
   await toScreen(page, "Session");
   await page.getByLabel(/^Note on version 1$/).fill("as the data sheet has it");
+  server.emit("state", { ...server.session.state(), job: { what: "plan", doing: "planning: effects planned", done: 1, of: 9 } });
+  await page.getByText("1 of 9").waitFor(); // A state that arrives leaves what is typed as it is.
   await page.locator("h1").click();
   await within("the note is saved", () => server.session.find("1").note !== "");
   await page.reload();

@@ -66,9 +66,9 @@ function Node({ version, current }: { version: Version; current: string }) {
         )}
       </header>
       {version.command && <code class="quiet made-by">{version.command}</code>}
-      <label class="note"><span class="hidden">Note on version {version.id}</span>
-        <textarea rows={1} placeholder="Note" value={version.note}
-          onChange={(e) => void setNote(version.id, e.currentTarget.value)} /></label>
+      {/* Not `value`: a state that arrives while one types would put back the saved note. */}
+      <textarea key={version.note} rows={1} placeholder="Note" aria-label={`Note on version ${version.id}`}
+        defaultValue={version.note} onChange={(e) => void setNote(version.id, e.currentTarget.value)} />
     </article>
   );
 }
