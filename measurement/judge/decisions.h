@@ -33,8 +33,6 @@ inline constexpr double kMisfit = 1.15;
 // A model with an error above this explains nothing yet: its outliers mean nothing, and training
 // groups can be fitted by what is wrong elsewhere. A judgement.
 inline constexpr double kUseless = 10;
-// Nor does any effect where even the best is not so many times better than the model given.
-inline constexpr double kMuchBetter = 4;
 
 // An effect whose values lie within so many of their stated errors of neutral is no result: the
 // interval that holds the truth in 95 % of sets holds its absence.
@@ -144,14 +142,6 @@ inline constexpr size_t kMostPromising = 8;
 // than any price. It saves the fit that would show it.
 inline constexpr double kCannotGo = 8;
 inline constexpr double kAnyPrice = 0.5 * kCannotGo * kCannotGo;
-// An exchange is fitted where one step of Gauss and Newton makes up for all but this share of what
-// is lost, and but for these units: fits reach further than the step says. A judgement.
-inline constexpr double kReplacementShortfall = 0.4;
-inline constexpr double kReplacementSlack = 20;
-// Nor where the step makes up for less than this share of what all else, stepping too, leaves:
-// where a lens leaves, the others make up for most of what is lost, whatever comes. A judgement:
-// lenses that were ties in the end had shares of a fifth and more.
-inline constexpr double kReplacementOwn = 0.05;
 // The model with its steps in order is kept in the place of the one that the search ended with
 // unless it lost more than this in units, which is what two fits of one model differ by.
 inline constexpr double kSameFit = 0.5;

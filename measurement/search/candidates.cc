@@ -37,17 +37,6 @@ Model with_effect(Model model, const Prospect& prospect, const std::vector<doubl
 
 namespace {
 
-// A model whose refitted parameters are back at the values that they were given with.
-Model as_given(Model model, const std::vector<Unknown>& refitted, const Model& given) {
-  for (const Unknown& unknown : refitted) {
-    const effects::ModelEffect* effect = given.find(unknown.effect);
-    if (effect != nullptr)
-      model.set_value(unknown.effect, unknown.parameter,
-                      effect->parameters[unknown.parameter].value);
-  }
-  return model;
-}
-
 struct Fitted {
   Grown grown;
   double most_ll = 0;  // See Candidate.
@@ -79,8 +68,7 @@ std::vector<std::vector<double>> best_counts(const Problem& problem, const Grown
 }
 
 // Fits from each start in turn and keeps the best; later starts only where the first may have
-// been unlucky. An effect that replaces another is far from what was fitted without it, so the fit
-// starts from the given values as well.
+// been unlucky.
 std::optional<Fitted> fit_from_starts(const Problem& problem, const Grown& base,
                                       const Prospect& prospect) {
   const auto& effect = prospect.effect;
@@ -96,12 +84,9 @@ std::optional<Fitted> fit_from_starts(const Problem& problem, const Grown& base,
   }
   const bool counts = has_counts(*effect);
   if (counts && starts.size() > 1) starts = best_counts(problem, base, prospect, starts);
-  std::vector<Model> bases = {base.assessment.model};
-  if (!effect->has_neutral && !effects::is_any_lens(*effect) && !base.assessment.unknowns.empty())
-    bases.push_back(as_given(bases[0], base.assessment.unknowns, problem.given()));
   std::optional<Fitted> best;
-  for (size_t s = 0; s < starts.size() * bases.size(); ++s) {
-    const Model start = with_effect(bases[s / starts.size()], prospect, starts[s % starts.size()]);
+  for (const auto& values : starts) {
+    const Model start = with_effect(base.assessment.model, prospect, values);
     std::vector<Unknown> unknowns;
     for (const Unknown& unknown : base.assessment.unknowns) {
       if (start.has(unknown.effect)) unknowns.push_back(unknown);
@@ -238,17 +223,17 @@ std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
   LinearStep step;
   prospect.free = testable_parameters(shown, probe, others, *effect, groups, near, reasons, step);
   if (prospect.free.empty() && !has_counts(*effect)) return std::nullopt;
-  if (screening && std::isfinite(step.expected.all)) {
+  if (screening && std::isfinite(step.expected_ll)) {
     // All groups are expected to gain as these do.
     const Score before = shown.score(model, groups);
     const double share = static_cast<double>(before.n) / static_cast<double>(count_used(problem));
-    for (double* ll : {&step.expected.all, &step.expected.rest})
-      *ll = base.assessment.total_ll + (*ll - before.log_likelihood) / share;
+    step.expected_ll =
+        base.assessment.total_ll + (step.expected_ll - before.log_likelihood) / share;
   }
   prospect.step_to = step.to;
   // More starts (a phase's quarters): several valleys, of which the first says little.
   if (prospect.starts.size() > kMostStartsOfOneValley || has_counts(*effect)) return prospect;
-  prospect.expected = step.expected;
+  prospect.expected_ll = step.expected_ll;
   // Steps are short where a model misses little: where one ends, a fit does.
   const bool dear = shown.screening_groups().has_value();
   if (dear && base.assessment.error < kMisfit && prospect.companions.empty())
@@ -284,65 +269,6 @@ std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
                                     std::vector<NotTestable>& reasons) {
   const auto prospect = prospect_of(problem, base, effect, reasons);
   return prospect ? fit_prospect(problem, base, *prospect, reasons) : std::nullopt;
-}
-
-namespace {
-
-// Effects of the mean that act only beside a base that the model has, and may begin with it: not
-// those of a wave, whose frequency shows in what the others leave.
-EffectList dependents_of(const Problem& problem, const Model& model, const EffectList& own) {
-  EffectList dependents = absent_effects(problem, model, own);
-  std::erase_if(dependents, [&](const auto& effect) {
-    return effect->needs_base == effects::Base::none || effect->spread_only ||
-           effects::start_rule(*effect, problem.facts().set.kind).search ==
-               effects::StartSearch::frequency;
-  });
-  return dependents;
-}
-
-// Fits an effect with companions from where all of them together begin.
-std::optional<Candidate> fit_together(const Problem& problem, const Grown& base,
-                                      Prospect prospect) {
-  prospect.starts =
-      problem.starts_together(base.assessment.model, *prospect.effect, prospect.companions);
-  for (size_t i = 0; i < prospect.effect->parameters.size(); ++i) {
-    const Parameter& parameter = prospect.effect->parameters[i];
-    if (!parameter.integer && !parameter.stated) prospect.free.push_back(i);
-  }
-  std::vector<NotTestable> reasons;
-  return fit_prospect(problem, base, prospect, reasons);
-}
-
-}  // namespace
-
-std::optional<Candidate> with_dependents(const Problem& problem, const Grown& base,
-                                         const EffectList& own) {
-  const EffectList dependents = dependents_of(problem, base.assessment.model, own);
-  if (dependents.empty()) return std::nullopt;
-  return fit_together(
-      problem, base,
-      {.effect = dependents.front(), .companions = {dependents.begin() + 1, dependents.end()}});
-}
-
-std::optional<Candidate> with_all_of_servo(const Problem& problem, const Grown& base,
-                                           const EffectList& own) {
-  auto all = with_dependents(problem, base, own);
-  if (!all || all->grown.assessment.error <= kUseless) return all;
-  auto more = with_other_of_servo(problem, base, own);
-  return more && more->grown.assessment.error < all->grown.assessment.error ? more : all;
-}
-
-std::optional<Candidate> with_other_of_servo(const Problem& problem, const Grown& base,
-                                             const EffectList& own) {
-  std::optional<Candidate> most;
-  for (const auto& effect : absent_effects(problem, base.assessment.model, own)) {
-    if (!effect->servo || effect->needs_base != effects::Base::none) continue;
-    std::vector<NotTestable> reasons;
-    auto candidate = try_effect(problem, base, effect, reasons);
-    const double least = (most ? most->grown : base).assessment.total_ll;
-    if (candidate && candidate->grown.assessment.total_ll > least) most = std::move(candidate);
-  }
-  return most ? with_dependents(problem, most->grown, own) : std::nullopt;
 }
 
 Grown named_by_camera(const Problem& problem, Grown grown) {

@@ -36,20 +36,15 @@ EffectList absent_effects(const Problem& problem, const Model& model, const Effe
 // Whether some effect of the model draws numbers that are estimated with it.
 bool has_draws(const Model& model);
 
-// Total log-likelihoods after one step of Gauss and Newton in all unknowns (the score test), and in
-// those of the rest alone; infinite where such a step says nothing: spreads, counts, servos,
-// replacements.
-struct Expected {
-  double all = std::numeric_limits<double>::infinity(), rest = all;
-};
-
 // What one linearisation says of an effect beside a model, before anything is fitted.
 struct Prospect {
   std::shared_ptr<const EffectDefinition> effect;
   EffectList companions;                    // Fitted with it.
   std::vector<std::vector<double>> starts;  // Of its parameters, then of its companions'.
   std::vector<size_t> free;                 // Its parameters that the data can see.
-  Expected expected;
+  // Total log-likelihood after one step of Gauss and Newton in all unknowns (the score test);
+  // infinite where such a step says nothing: spreads, counts, servos, replacements.
+  double expected_ll = std::numeric_limits<double>::infinity();
   std::optional<Model> step_to;  // Where one such step ends, however little it may say.
   // The same if predictions are dear and a fit can be expected to end about there.
   std::optional<Model> end_of_step;
@@ -82,21 +77,6 @@ std::optional<Candidate> fit_prospect(const Problem& problem, const Grown& base,
 std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
                                     const std::shared_ptr<const EffectDefinition>& effect,
                                     std::vector<NotTestable>& reasons);
-
-// All effects that act only beside a base that the model has, at once: loads and frictions of a
-// motor hide each other, so that steps one by one may lead astray where all together do not.
-// Nothing where it lacks none.
-std::optional<Candidate> with_dependents(const Problem& problem, const Grown& base,
-                                         const EffectList& own);
-
-// The same beside the other effect of the servo that gains most: a limit of torque may help nothing
-// before a late command is there, nor that before the limit.
-std::optional<Candidate> with_other_of_servo(const Problem& problem, const Grown& base,
-                                             const EffectList& own);
-
-// The same as with_dependents, and where they leave far more than the noise with_other_of_servo.
-std::optional<Candidate> with_all_of_servo(const Problem& problem, const Grown& base,
-                                           const EffectList& own);
 
 // Whether the model can have the effect: beside those that cameras share, and others of its like.
 bool has_place(const EffectDefinition& effect, Model model);

@@ -82,15 +82,6 @@ bool clearly_needed(const Grown& grown, const std::string& name) {
   return false;
 }
 
-bool all_useless(const Grown& base, const Looks& looks) {
-  const double given = base.assessment.error;
-  const auto useless = [&](const Candidate& candidate) {
-    const double error = candidate.grown.assessment.error;
-    return only_widens(*candidate.effect) || (error > kUseless && kMuchBetter * error > given);
-  };
-  return given > kUseless && std::all_of(looks.candidates.begin(), looks.candidates.end(), useless);
-}
-
 Grown without(const Grown& grown, const std::string& out) {
   Grown smaller{.added = grown.added};
   std::erase(smaller.added, out);

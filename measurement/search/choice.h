@@ -23,9 +23,6 @@ Candidate* choose_by_all_rows(const Problem& problem, const Grown& here, double 
 // cannot go: a shortcut.
 bool clearly_needed(const Grown& grown, const std::string& name);
 
-// Whether neither the model nor any one effect beside it explains anything.
-bool all_useless(const Grown& base, const Looks& looks);
-
 // A model less one of its added effects, not fitted again.
 Grown without(const Grown& grown, const std::string& out);
 

@@ -69,25 +69,6 @@ std::optional<Grown> from_its_like(const Problem& problem, const Grown& grown, c
   return std::move(candidate->grown);
 }
 
-std::optional<Grown> exchanged(const Problem& problem, const Grown& grown, const Grown& smaller,
-                               const Score& score, const Evaluation* near,
-                               const std::shared_ptr<const EffectDefinition>& in) {
-  std::vector<NotTestable> reasons;
-  if (is_far_behind(problem, grown, smaller, in)) return std::nullopt;
-  const auto prospect = prospect_of(problem, smaller, in, reasons, /*alone=*/true, near);
-  if (!prospect) return std::nullopt;
-  if (const auto& [with, rest] = prospect->expected; std::isfinite(with)) {
-    const double here = grown.assessment.total_ll;
-    const double lost = here - score.log_likelihood;
-    if (score.valid && with < here - kReplacementShortfall * lost - kReplacementSlack)
-      return std::nullopt;
-    if (with < rest + kReplacementOwn * (here - rest) - kReplacementSlack) return std::nullopt;
-  }
-  auto candidate = fit_prospect(problem, smaller, *prospect, reasons);
-  if (!candidate) return std::nullopt;
-  return std::move(candidate->grown);
-}
-
 // What came last stands where what went stood: steps are told in that order where they explain too
 // little to be ordered by what each does.
 std::optional<Grown> in_its_place(const Grown& grown, const std::string& out,
@@ -177,19 +158,6 @@ std::optional<Grown> Exchanges::better(const Grown& grown,
   return best ? once[*best] : std::nullopt;
 }
 
-Exchanges::Without Exchanges::without_it(const Grown& grown, const std::string& out) const {
-  const auto start = started_.of(0, key_of(problem_, grown), [&] {
-    return start_of_prospects(problem_, grown.assessment.model);
-  });
-  Without less{.grown = without(grown, out)};
-  const Model& model = less.grown.assessment.model;
-  if (*start) less.near = start_of_prospects(problem_, model, &**start);
-  less.score =
-      less.near ? score_of(problem_, *less.near) : problem_.score(model, problem_.all_groups());
-  if (less.score.valid) less.grown.assessment.total_ll = less.score.log_likelihood;
-  return less;
-}
-
 std::optional<Grown> Exchanges::with_other(
     const Grown& grown, const std::string& out,
     const std::shared_ptr<const EffectDefinition>& in) const {
@@ -200,12 +168,15 @@ std::optional<Grown> Exchanges::with_other(
       stands_for(leaving, *in) && effects::camera_of(in->name) == effects::camera_of(out);
   if (!has_place(*in, smaller.assessment.model)) return std::nullopt;
   return *tried_.of(0, key_of(problem_, grown, {out, in->name + "\n" + in->source}), [&] {
-    if (like) return in_its_place(grown, out, from_its_like(problem_, grown, smaller, in));
-    const auto less =
-        without_.of(0, key_of(problem_, grown, {out}), [&] { return without_it(grown, out); });
-    return in_its_place(grown, out,
-                        exchanged(problem_, grown, less->grown, less->score,
-                                  less->near ? &*less->near : nullptr, in));
+    std::optional<Grown> other;
+    if (like) {
+      other = from_its_like(problem_, grown, smaller, in);
+    } else if (!is_far_behind(problem_, grown, smaller, in)) {
+      std::vector<NotTestable> reasons;
+      if (auto candidate = try_effect(problem_, smaller, in, reasons))
+        other = std::move(candidate->grown);
+    }
+    return in_its_place(grown, out, std::move(other));
   });
 }
 

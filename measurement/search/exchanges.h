@@ -45,28 +45,18 @@ class Exchanges {
   std::optional<Grown> better(const Grown& grown, const std::vector<std::string>& promising,
                               const EffectByName& effect_by_name) const;
 
-  // The model with one added effect in the place of another. Nothing where a step of Gauss and
-  // Newton shows that it cannot make up for most of what is lost.
+  // The model with one added effect in the place of another; nothing where few groups show that it
+  // is far behind.
   std::optional<Grown> with_other(const Grown& grown, const std::string& out,
                                   const std::shared_ptr<const EffectDefinition>& in) const;
 
  private:
   static constexpr size_t kKept = 64;
-  static constexpr size_t kKeptWithout = 16;
 
-  // What all exchanges of one effect begin with: the model without it, not fitted again.
-  struct Without {
-    Grown grown;
-    Score score;
-    std::optional<Evaluation> near;
-  };
-  Without without_it(const Grown& grown, const std::string& out) const;
   std::vector<std::optional<Grown>> tried(const Grown& grown, const std::vector<Exchange>& moves,
                                           const EffectByName& effect_by_name) const;
 
   const Problem& problem_;
-  Memo<std::optional<Evaluation>> started_{1, 1};
-  Memo<Without> without_{1, kKeptWithout};
   Memo<std::optional<Grown>> tried_{1, kKept};
 };
 

@@ -26,11 +26,11 @@ std::vector<char> worth_fitting(const Problem& problem, const Grown& base,
   for (size_t i = 0; i < prospects.size(); ++i) {
     if (!prospects[i]) continue;
     const bool part = prospects[i]->effect->needs_base != effects::Base::none;
-    if (!std::isfinite(prospects[i]->expected.all) || (part && base.assessment.error > kMisfit)) {
+    if (!std::isfinite(prospects[i]->expected_ll) || (part && base.assessment.error > kMisfit)) {
       worth[i] = 1;
       continue;
     }
-    const double gain = prospects[i]->expected.all - base.assessment.total_ll;
+    const double gain = prospects[i]->expected_ll - base.assessment.total_ll;
     const double error = base.assessment.error;
     const double misfit = std::max(1.0, error * error - 2 * gain / n);
     const double freedom = static_cast<double>(std::max<size_t>(1, prospects[i]->free.size()));
@@ -38,7 +38,7 @@ std::vector<char> worth_fitting(const Problem& problem, const Grown& base,
     const std::optional<Model>& end = prospects[i]->end_of_step;
     if (tail * static_cast<double>(prospects.size()) < kPromising &&
         (!end || problem.is_visible(base.assessment.model, *end)))
-      ranked.emplace_back(-prospects[i]->expected.all, i);
+      ranked.emplace_back(-prospects[i]->expected_ll, i);
   }
   std::sort(ranked.begin(), ranked.end());
   if (ranked.size() > kMostFitted) ranked.resize(kMostFitted);

@@ -195,13 +195,10 @@ void order_steps(const Problem& problem, const EffectByName& effect_by_name, Sea
         tried[i] = try_effect(problem, grown, effect, reasons);
       }
       // Found after another that it replaced, or with others: what was fitted last is the place to
-      // start from. A lens of which the given values were far may be told from there alone, too.
-      const bool lens = effect->term == effects::Term::radial;
-      if (tried[i] && !(lens && tried[i]->grown.assessment.error > kUseless)) return;
+      // start from.
+      if (tried[i]) return;
       Grown part = part_of(problem, result.best, left, together(effect_by_name, left, i));
-      if (part.assessment.valid &&
-          (!tried[i] || part.assessment.total_ll > tried[i]->grown.assessment.total_ll))
-        tried[i] = Candidate{.grown = std::move(part)};
+      if (part.assessment.valid) tried[i] = Candidate{.grown = std::move(part)};
     });
     size_t best = left.size();
     for (size_t i = 0; i < left.size(); ++i) {

@@ -40,13 +40,13 @@ class Searcher {
   Grown grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces);
   Looks look(const Grown& grown, bool promising_only, Asked asked);
   EffectList absent(const Model& model, bool moves) const;
-  void forward(SearchResult& result, const Grown* earlier);
-  std::optional<Grown> again(const Grown& earlier);
+  void forward(SearchResult& result, std::optional<Grown> found);
+  bool mark_by(const Grown& best, SearchResult& result);
+  std::optional<Grown> again(Grown grown, SearchResult& result);
   void begin_with(const Candidate& beginning, SearchResult& result);
   bool misses(const Assessment& assessment) const;
   Looks look_at_moves() const;
   void begin_with_moves(const Looks& moves, SearchResult& result);
-  void begin_with_dependents(const Grown& base, SearchResult& result);
   void begin_with_refused(SearchResult& result);
   bool prune(Grown& grown) {
     return measurement::prune(
@@ -63,6 +63,10 @@ class Searcher {
   const Exchanges exchanges_;
   const KnownCauses causes_{1, kKeptCauses};
   Grown base_;
+  // Large errors that were given back to an effect of their own count as outliers for good where
+  // the search then ends without one.
+  LargeErrors large_errors_ = LargeErrors::open;
+  std::optional<std::vector<std::string>> marked_by_;  // The effects of the model that judged last.
   double looks_ = 1;
   Looks first_;                         // On the base, had in the last round that looked at it.
   Looks moves_;                         // Had in the last round that looked at any.
@@ -100,19 +104,9 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
     if (!grown.added.empty()) way.push_back(grown);
     const bool imitate = names_imitate(problem_, way, material_, causes_);
     progress_("step " + std::to_string(step + 1) + ": trying effects");
-    // Every effect is fitted where the search would end with a misfit: a step from small starts may
-    // have promised too little.
     const bool first = step == 0 && first_looks != nullptr;
-    const bool misses = grown.assessment.error > kMisfit;
     Looks looks = first ? *first_looks : look(grown, /*promising_only=*/true, Asked::few_first);
     Candidate* next = choose_by_all_rows(problem_, grown, material_, looks);
-    const bool shortened = (!first && looks.shortened) ||
-                           std::any_of(looks.candidates.begin(), looks.candidates.end(),
-                                       [](const Candidate& candidate) { return candidate.of_few; });
-    if (!next && misses && shortened && !imitate) {
-      looks = look(grown, /*promising_only=*/false, Asked::all_rows);
-      next = choose(problem_, grown, looks.candidates);
-    }
     if (first) *first_looks = looks;
     traces = traces_of(looks.candidates);
     remember_significant(looks.candidates, promising_);
@@ -162,46 +156,47 @@ void Searcher::begin_with(const Candidate& beginning, SearchResult& result) {
   result.last_traces = std::move(traces);
 }
 
-// What explains the set is fitted again with other outliers marked, and the search goes on from it
-// where it still does.
-std::optional<Grown> Searcher::again(const Grown& earlier) {
-  if (earlier.added.empty() || earlier.assessment.error > kMisfit) return std::nullopt;
-  Grown grown = earlier;
-  grown.assessment = assess(problem_, earlier.assessment.model, earlier.assessment.unknowns);
-  if (!grown.assessment.valid || grown.assessment.error > kMisfit) return std::nullopt;
+// Outliers are those of the best model; whether there are others than before. Of fits of one model
+// after the first, those of each count: rows near the limit would come and go without an end.
+bool Searcher::mark_by(const Grown& best, SearchResult& result) {
+  const Model& model = best.assessment.model;
+  if (large_errors_ != LargeErrors::in_vain && best.assessment.error > kUseless &&
+      error_beside_outliers(problem_, model) > kUseless)
+    return false;
+  const Model judge = judge_of_outliers(problem_, model_, best, large_errors_);
+  const bool again = marked_by_ == best.added && judge.effects().size() == model.effects().size();
+  marked_by_ = best.added;
+  return mark_outliers(problem_, judge, result, again);
+}
+
+// What explains the set is fitted again with other outliers marked, in turn until these stay, and
+// the search goes on from it where it still does.
+std::optional<Grown> Searcher::again(Grown grown, SearchResult& result) {
+  if (grown.added.empty() || grown.assessment.error > kMisfit) return std::nullopt;
+  for (int round = 0; round < kOutlierRounds; ++round) {
+    grown.assessment = assess(problem_, grown.assessment.model, grown.assessment.unknowns);
+    if (!grown.assessment.valid || grown.assessment.error > kMisfit) return std::nullopt;
+    if (problem_.left_out().empty() || !mark_by(grown, result)) break;
+  }
   prune(grown);
   return grown;
 }
 
 // Effects that come together are dear to fit and can imitate many, so they are tried where all else
-// leaves a misfit; but first where no single effect explains anything, since a long search among
-// these is dearer still.
-void Searcher::forward(SearchResult& result, const Grown* earlier) {
-  std::optional<Grown> found;
-  if (earlier != nullptr) found = again(*earlier);
+// leaves a misfit.
+void Searcher::forward(SearchResult& result, std::optional<Grown> found) {
   if (!found) {
     // The first look is what the user sees: every effect is fitted in it.
     progress_("step 1: trying effects");
     first_ = look(base_, /*promising_only=*/false, Asked::few_first);
-    if (mark_gross_errors(problem_, base_, first_.candidates, result)) {
-      base_ = base();
-      first_ = look(base_, /*promising_only=*/false, Asked::few_first);
-    }
     promising_.clear(), moves_ = {};
   }
   result.first_is_of_base = !found;
   no_name_explains_ = false;
-  result.best = base_;
-  const bool moves_first = !found && all_useless(base_, first_) &&
-                           !explained_without_name(problem_, {base_}, material_, causes_);
-  if (moves_first) begin_with_moves(moves_ = look_at_moves(), result);
   std::vector<Candidate> traces;
-  Grown alone = found ? grow(*std::move(found), nullptr, traces) : grow(base_, &first_, traces);
-  if (!(merit_of(alone) < merit_of(result.best))) {
-    result.best = std::move(alone);
-    result.last_traces = std::move(traces);
-  }
-  if (!moves_first && misses(result.best.assessment) &&
+  result.best = found ? grow(*std::move(found), nullptr, traces) : grow(base_, &first_, traces);
+  result.last_traces = std::move(traces);
+  if (misses(result.best.assessment) &&
       !explained_without_name(problem_, {base_, result.best}, material_, causes_))
     begin_with_moves(moves_ = look_at_moves(), result);
   begin_with_refused(result);
@@ -228,22 +223,8 @@ void Searcher::begin_with_moves(const Looks& moves, SearchResult& result) {
   for (const Candidate& candidate : moves.candidates) {
     const bool fits = candidate.merit > merit_of(base_) + kOdds;
     if (!candidate.significant && !fits) continue;
-    begin_with_dependents(candidate.grown, result);
     if (misses(result.best.assessment)) begin_with(candidate, result);
   }
-}
-
-// What stays of all at once is what the rest cannot stand in for.
-void Searcher::begin_with_dependents(const Grown& base, SearchResult& result) {
-  if (!misses(base.assessment)) return;
-  const auto all = with_all_of_servo(problem_, base, own_);
-  // Where all of them leave far more than the noise, something else is missing.
-  if (!all || all->grown.assessment.error > kUseless) return;
-  // Those that go again may be as good as one that stays.
-  for (const std::string& name : all->grown.added) {
-    if (!base.assessment.model.has(name)) add_once(promising_, name);
-  }
-  begin_with(*all, result);
 }
 
 // A spread may hide a mean whose own effect helps only beside it: a lag under a way that wanders.
@@ -260,28 +241,19 @@ SearchResult Searcher::run() {
   problem_.leave_out({});
   mark_outliers(problem_, model_, result);
   result.outliers_of_given = result.outliers.size();
-  // Large errors that were given back to an effect of their own count as outliers for good where
-  // the search then ends without one.
   bool changed = true;  // Marks, or the size of a noise.
-  LargeErrors large_errors = LargeErrors::open;
   for (int round = 0; round < kOutlierRounds && changed; ++round) {
+    std::optional<Grown> found;
+    if (round > 0) found = again(std::move(result.best), result);
+    const bool given_back = round > 0 && problem_.left_out().empty();
     base_ = base();
     if (round == 0 && base_.assessment.held.valid) check_enough(problem_, base_.assessment);
-    const std::optional<Grown> earlier =
-        round > 0 ? std::optional(std::move(result.best)) : std::nullopt;
-    const bool given_back = round > 0 && problem_.left_out().empty();
-    forward(result, earlier ? &*earlier : nullptr);
-    // Outliers are those of the best model; with others the search is run again.
-    const Assessment& best = result.best.assessment;
-    const bool estimates = estimates_large_errors(model_, best.model);
-    if (given_back && !estimates) large_errors = LargeErrors::in_vain;
-    if (large_errors == LargeErrors::open && estimates && !problem_.left_out().empty())
-      large_errors = LargeErrors::proven;
-    const bool marked =
-        (large_errors == LargeErrors::in_vain || best.error <= kUseless ||
-         error_beside_outliers(problem_, best.model) <= kUseless) &&
-        mark_outliers(problem_, judge_of_outliers(problem_, model_, result.best, large_errors),
-                      result);
+    forward(result, std::move(found));
+    const bool estimates = estimates_large_errors(model_, result.best.assessment.model);
+    if (given_back && !estimates) large_errors_ = LargeErrors::in_vain;
+    if (large_errors_ == LargeErrors::open && estimates && !problem_.left_out().empty())
+      large_errors_ = LargeErrors::proven;
+    const bool marked = mark_by(result.best, result);
     changed = correct_noise(problem_, result.best) || marked;
   }
   if (changed) {

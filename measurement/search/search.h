@@ -97,19 +97,14 @@ Model judge_of_outliers(Problem& problem, const Model& given, const Grown& best,
 // against it.
 double error_beside_outliers(const Problem& problem, const Model& model);
 
-// Marks outliers under this model; returns whether the marks changed.
-bool mark_outliers(Problem& problem, const Model& model, SearchResult& result);
+// Marks outliers under this model, beside those marked before if these are to be kept; returns
+// whether the marks changed.
+bool mark_outliers(Problem& problem, const Model& model, SearchResult& result, bool keep = false);
 
 // The size of a noise that the set leaves unknown is estimated from the measurements before any
 // model is fitted, and may be wrong by more than chance. Where the noises that were found say no
 // more than another size of it would: gives the problem that size, and returns true. All that was
 // fitted before is then out of date.
 bool correct_noise(Problem& problem, const Grown& best);
-
-// Gross errors leave even the right effect far from the noise, where a spread that covers them
-// wins. Where an effect of the mean leaves far less of all rows but its outliers, these are marked;
-// returns whether the marks changed.
-bool mark_gross_errors(Problem& problem, const Grown& base,
-                       const std::vector<Candidate>& candidates, SearchResult& result);
 
 }  // namespace seam::measurement

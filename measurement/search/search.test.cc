@@ -324,9 +324,6 @@ class Waves : public MadeProblem {
     if (effect == "fisheye") return 30 * wave(1) + (held ? -28 * wave(4) : 30 * wave(3));
     if (effect == "makes_up") return 2 * wave(2) + (held ? 2 * wave(4) : -wave(3));
     if (effect == "needed") return 2 * wave(2);
-    if (effect == "much_and_some") return 300 * wave(1) + 100 * wave(3);
-    if (effect == "much") return 300 * wave(1);
-    if (effect == "some") return 100 * wave(3) + 50 * wave(4);
     return wave(5);
   }
 
@@ -349,16 +346,6 @@ TEST(Exchanges, WhatIsNoExchangeOfTwoIsNotFitted) {
   const Grown left = problem.fitted({"radial_distortion@left", "needed"});
   EXPECT_TRUE(in_the_place_of(left, "radial_distortion@left", "radial_distortion"));
   EXPECT_FALSE(in_the_place_of(left, "radial_distortion@left", "radial_distortion@right"));
-}
-
-// Where much of what is lost comes back without it, a step that gains nothing of its own seems to
-// make up for most.
-TEST(Exchanges, WhatAllElseMakesUpForIsNotItsOwn) {
-  const Waves problem({{"much_and_some", 0.1}});
-  const Grown grown = problem.fitted({"much", "much_and_some"}, /*given=*/"much");
-  const Exchanges exchanges(problem);
-  EXPECT_FALSE(exchanges.with_other(grown, "much_and_some", Waves::effect("nothing")));
-  EXPECT_TRUE(exchanges.with_other(grown, "much_and_some", Waves::effect("some")));
 }
 
 }  // namespace

@@ -140,7 +140,7 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
   // What is left of each column is its leverage.
   std::vector<size_t> testable;
   Span span;
-  double gain = 0, gain_of_rest = 0;
+  double gain = 0;
   std::vector<Unknown> kept;
   std::vector<double> parts;
   for (size_t k = 0; k < unknowns.size(); ++k) {
@@ -166,7 +166,6 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
     }
     const double along = dot(column, here.whitened) / after;
     gain += 0.5 * along * along;
-    if (!candidate) gain_of_rest = gain;
     span.add(column, parts);
     kept.push_back(unknowns[k]);
     if (candidate) testable.push_back(parameter);
@@ -174,8 +173,7 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
   if (testable.empty()) return testable;
   step.to = moved_by(model, kept, span.steps_to(here.whitened));
   if (!problem.is_smooth(model)) return testable;
-  const double now = log_likelihood_of(problem, here);
-  step.expected = {now + gain, now + gain_of_rest};
+  step.expected_ll = log_likelihood_of(problem, here) + gain;
   return testable;
 }
 

@@ -19,7 +19,7 @@ std::vector<Unknown> told_apart(const Problem& problem, const Model& model,
 // One step of Gauss and Newton in all unknowns.
 struct LinearStep {
   std::optional<Model> to;  // Where it ends, inside the bounds.
-  Expected expected;        // Where the problem is smooth.
+  double expected_ll = std::numeric_limits<double>::infinity();  // Where the problem is smooth.
 };
 
 // Which of the effect's parameters these groups can say anything of, beyond what the `others` that

@@ -181,10 +181,10 @@ TEST(Prospect, AStepOfALinearEffectEndsAtItsLeastSquares) {
     xy += problem.x()[i] * problem.y()[i];
   }
   EXPECT_NEAR(prospect->step_to->find("straight")->values()[0], xy / xx, 1e-9);
-  EXPECT_NEAR(prospect->expected.all - base.assessment.total_ll, xy * xy / xx / (2 * 0.5 * 0.5),
+  EXPECT_NEAR(prospect->expected_ll - base.assessment.total_ll, xy * xy / xx / (2 * 0.5 * 0.5),
               1e-6);
   EXPECT_NEAR(problem.score(*prospect->step_to, problem.all_groups()).log_likelihood,
-              prospect->expected.all, 1e-6);
+              prospect->expected_ll, 1e-6);
 }
 
 // Values of a quotient of polynomials that have a factor in common predict the same as those of the

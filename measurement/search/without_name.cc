@@ -37,11 +37,9 @@ void end_steps_at(size_t count, const Grown& best, SearchResult& result) {
 }
 
 // Whether a cause without a name is ahead of the last explanation, all of whose causes have names.
-// What leaves more than the noise is no explanation: one that leaves none need only be ahead. So
-// need a mean of a spread, which says nothing of the cause.
-bool explains_better(double lead, double error, const Grown& last, bool of_mean) {
-  return lead > (of_mean ? kUnnamedWidth : 0) ||
-         (lead > 0 && last.assessment.error > kMisfit && error < kMisfit);
+// A mean need only be ahead of a spread, which says nothing of the cause.
+bool explains_better(double lead, bool of_mean) {
+  return lead > (of_mean ? kUnnamedWidth : 0);
 }
 
 // Whether all that the last has beside an earlier one moves predictions.
@@ -115,23 +113,6 @@ bool leave_out(const Problem& problem, const std::vector<std::string>& names, do
   return true;
 }
 
-// Steps go where what is too small to matter explains as much. Returns whether they went.
-bool give_way_to_trace(const Problem& problem, const std::vector<std::string>& names,
-                       SearchResult& result) {
-  if (result.last_traces.empty()) return false;
-  Grown less = fitted_without(problem, result.best, names);
-  if (!less.assessment.valid) return false;
-  const double enough = result.best.assessment.total_ll - kTieWidth;
-  const double looks = std::max(1.0, result.first.tried);
-  for (const Candidate& trace : result.last_traces) {
-    const auto beside = fitted_beside(problem, less, trace, looks, result.material);
-    if (!beside || !beside->trace || beside->grown.assessment.total_ll < enough) continue;
-    erase_steps(problem, names, std::move(less), result);
-    return true;
-  }
-  return false;
-}
-
 // Beside a cause without a name a step may only stand for what smooth functions miss of it: one
 // after another those go of which the least is their own. What moves far more than the cause does
 // is no part of it.
@@ -189,8 +170,7 @@ std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::ve
   for (const Grown& g : grown)
     explanations.push_back({&g.assessment, merit_of(g), adds_noise_alone(g, grown.back())});
   auto cause = unnamed_cause(problem, explanations, material, known);
-  if (cause && !explains_better(cause->lead, cause->error_after, grown.back(),
-                                adds_means_alone(grown[cause->beside], grown.back())))
+  if (cause && !explains_better(cause->lead, adds_means_alone(grown[cause->beside], grown.back())))
     cause.reset();
   return cause;
 }
@@ -221,7 +201,6 @@ bool leave_out_doubted(const Problem& problem, const KnownCauses& known, SearchR
   const std::vector<std::string> doubted =
       steps_in_question(result, [](const Step& step) { return !step.doubts.empty(); });
   if (doubted.empty()) return false;
-  if (give_way_to_trace(problem, doubted, result)) return true;
   if (own_shares(problem, result.best.assessment, {doubted})[0] >= kOwnBesideUnnamed ||
       !leave_out(problem, doubted, kMisfit, known, result))
     return false;
@@ -260,13 +239,13 @@ bool look_for_formula(const Problem& problem, const Progress& progress, const Kn
   double most = 0;
   for (const size_t place :
        of_mean > 0 ? std::vector<size_t>{0, of_mean} : std::vector<size_t>{0}) {
-    auto found = suggest(problem, grown[place], &last.assessment);
+    auto found = suggest(problem, grown[place]);
     if (!found) continue;
     // Where something is left that is no noise, evidence is too sure.
     const double misfit = std::max(1.0, found->error * found->error);
     const double named = grown[place].assessment.total_ll - merit_of(grown[place]);
     const double lead = (found->log_evidence - named - merit_of(last)) / misfit;
-    if (!explains_better(lead, found->error, last, adds_means_alone(grown[place], last))) continue;
+    if (!explains_better(lead, adds_means_alone(grown[place], last))) continue;
     if (result.unnamed && place == result.unnamed->beside &&
         share_taken(found->error_before, found->error) <
             kOwnBesideUnnamed *

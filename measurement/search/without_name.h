@@ -26,9 +26,9 @@ bool names_imitate(const Problem& problem, const std::vector<Grown>& way, double
 // they are steps no more. Neither are those that smooth functions can take the place of.
 void look_for_unnamed(const Problem& problem, const KnownCauses& known, SearchResult& result);
 
-// What speaks against a step leaves it no explanation: where a trace explains as much, or smooth
-// functions take most of what the doubted steps take, and leave nothing but noise, they are steps
-// no more. Returns whether they went.
+// What speaks against a step leaves it no explanation: where smooth functions take most of what
+// the doubted steps take, and leave nothing but noise, they are steps no more. Returns whether they
+// went.
 bool leave_out_doubted(const Problem& problem, const KnownCauses& known, SearchResult& result);
 
 // The same for a formula: it is looked for where smooth functions were found or explain as much as

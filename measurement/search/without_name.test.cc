@@ -207,33 +207,6 @@ TEST_F(CubeAndFast, WhatIsDoubtedGoesWhereFunctionsCanDoIt) {
   EXPECT_EQ(result_.unnamed->beside, 1u);
 }
 
-// y = level + size x: what is doubted does what another effect does, which may be a trace.
-bool gives_way(double size) {
-  MadeProblem problem(evenly(0, 1, 40'000), 0.5, [](const std::vector<double>& p, double x) {
-    return p[0] + (p.size() > 1 ? p[1] * x : 0);
-  });
-  problem.deal_into(20);
-  Model model = made_model(sized("level"), {3});
-  SearchResult result{.material = kMaterial};
-  result.base.assessment = assess(problem, model, {{"level", 0}});
-  model.set(sized("doubted"), {{.value = size}});
-  problem.observe(model, {.seed = 4});
-  result.base.assessment = assess(problem, result.base.assessment.model, {{"level", 0}});
-  result.best = {.added = {"doubted"},
-                 .assessment = assess(problem, model, {{"level", 0}, {"doubted", 0}})};
-  result.steps = {{.effect = "doubted", .after = result.best.assessment, .doubts = {"too slow"}}};
-  result.last_traces = {{.effect = sized("small")}};
-  const bool went = leave_out_doubted(problem, KnownCauses{1}, result);
-  EXPECT_EQ(went, result.steps.empty() && result.mimics.empty());
-  EXPECT_EQ(went, !result.best.assessment.model.has("doubted"));
-  return went;
-}
-
-TEST(LeaveOutDoubted, WhatATraceExplainsAsWellGoes) {
-  EXPECT_TRUE(gives_way(0.1));  // Moves predictions by 0.06 of the noise.
-  EXPECT_FALSE(gives_way(1));   // By 0.6.
-}
-
 // What a search finds in a set of this kind with an effect that no catalogue has.
 SearchResult found_in(const std::string& kind, const std::string& name, const std::string& effect) {
   const std::filesystem::path protocol = std::filesystem::path(testing::TempDir()) / name,

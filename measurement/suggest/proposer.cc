@@ -23,7 +23,7 @@ class Proposer {
         independent_(independent),
         library_(problem, base.model, vocabulary) {}
 
-  std::optional<Formula> run(const Assessment* rival);
+  std::optional<Formula> run();
   // The model of a problem with these terms, every coefficient fitted.
   Formula fitted_to(const Problem& problem, const Assessment& base, std::vector<Term> terms) const;
 
@@ -50,11 +50,11 @@ std::string Proposer::name() const {
   return name;
 }
 
-// Whether a formula explains nothing, far behind a rival, and its last term changed little about
-// it.
-bool falls_behind(const Assessment& here, double error_before, const Assessment& rival) {
-  return here.error > kUseless && kPlainlyLess * here.error > rival.error &&
-         here.error > kPlainlyLess * error_before;
+// Whether a formula explains nothing, and its last two terms changed little about it: so few terms
+// come to no end. By its errors after each term.
+bool leads_nowhere(const std::vector<double>& errors) {
+  return errors.size() > 2 && errors.back() > kUseless &&
+         errors.back() > kPlainlyLess * errors[errors.size() - 3];
 }
 
 Formula Proposer::fitted_to(const Problem& problem, const Assessment& base,
@@ -154,15 +154,15 @@ bool Proposer::grows(Formula& found) {
   return best.has_value();
 }
 
-std::optional<Formula> Proposer::run(const Assessment* rival) {
+std::optional<Formula> Proposer::run() {
   if (!library_.valid()) return std::nullopt;
   const Work work("parts of the formula", kMostTerms + 1, Work::Of::at_most);
   Formula found = fitted({});
-  while (found.terms.size() < kMostTerms) {
+  std::vector<double> errors = {found.assessment.error};
+  while (found.terms.size() < kMostTerms && !leads_nowhere(errors)) {
     work.done();
-    const double error_before = found.assessment.error;
     if (!grows(found) || found.assessment.error < 1) break;  // Then no more than noise is left.
-    if (rival != nullptr && falls_behind(found.assessment, error_before, *rival)) break;
+    errors.push_back(found.assessment.error);
   }
   return found.terms.empty() ? std::nullopt : std::optional(without_needless(std::move(found)));
 }
@@ -170,10 +170,10 @@ std::optional<Formula> Proposer::run(const Assessment* rival) {
 }  // namespace
 
 std::optional<Formula> formula_of(const Problem& problem, const Assessment& base,
-                                  const Assessment* rival, const Vocabulary& vocabulary) {
+                                  const Vocabulary& vocabulary) {
   const Problem& seen = problem.with_residuals();
   const bool independent = problem.groups_are_independent(base.model);
-  if (&seen == &problem) return Proposer(problem, base, vocabulary, independent).run(rival);
+  if (&seen == &problem) return Proposer(problem, base, vocabulary, independent).run();
   // Built from residuals that are means, and then fitted to what they are means of.
   std::vector<Unknown> of_mean;
   for (const Unknown& unknown : base.unknowns) {
@@ -181,7 +181,7 @@ std::optional<Formula> formula_of(const Problem& problem, const Assessment& base
   }
   const Assessment shown = assess(seen, base.model, of_mean);
   Proposer proposer(seen, shown, vocabulary, independent);
-  auto found = proposer.run(rival);
+  auto found = proposer.run();
   if (!found) return std::nullopt;
   Formula told = proposer.fitted_to(problem, base, std::move(found->terms));
   return told.assessment.valid ? std::optional(std::move(told)) : std::nullopt;

@@ -22,9 +22,9 @@ struct Formula {
 };
 
 // Each term is looked for on about 4,000 residuals, where there are more, and taken if it helps on
-// held-out groups; nothing where the first does not. Grows no further where it falls behind a
-// rival.
+// held-out groups; nothing where the first does not. Grows no further where two terms
+// lead nowhere.
 std::optional<Formula> formula_of(const Problem& problem, const Assessment& base,
-                                  const Assessment* rival, const Vocabulary& vocabulary);
+                                  const Vocabulary& vocabulary);
 
 }  // namespace seam::measurement

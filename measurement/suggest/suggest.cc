@@ -34,17 +34,13 @@ std::vector<std::string> varying_columns(const Problem& problem) {
 
 }  // namespace
 
-std::optional<Suggestion> suggest(const Problem& problem, const Grown& beside,
-                                  const Assessment* rival) {
+std::optional<Suggestion> suggest(const Problem& problem, const Grown& beside) {
   const effects::Kind kind = problem.facts().set.kind;
   if (kind == effects::Kind{}) return std::nullopt;  // A set made for tests.
   const auto stages = vocabularies(kind, beside.assessment.model, varying_columns(problem));
   std::optional<Formula> best;
-  // What an earlier stage gives is a rival, too.
   for (const Vocabulary& vocabulary : stages) {
-    const bool leads = best && (rival == nullptr || best->assessment.error < rival->error);
-    auto formula =
-        formula_of(problem, beside.assessment, leads ? &best->assessment : rival, vocabulary);
+    auto formula = formula_of(problem, beside.assessment, vocabulary);
     if (formula && (!best || formula->merit > best->merit)) best = std::move(formula);
   }
   if (!best) return std::nullopt;

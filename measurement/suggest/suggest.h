@@ -30,9 +30,7 @@ struct Suggestion {
 // the variables of a stage (geometry, target, joint, light, detector, locomotion). Each column of
 // the regression is the change of the prediction by that term in a formula, so nuisances and the
 // path from a joint to the image are in it; each term taken must help on held-out groups. Nothing
-// where none does, or for kinds without formulas. Formulas that fall behind a rival grow no
-// further.
-std::optional<Suggestion> suggest(const Problem& problem, const Grown& beside,
-                                  const Assessment* rival = nullptr);
+// where none does, or for kinds without formulas.
+std::optional<Suggestion> suggest(const Problem& problem, const Grown& beside);
 
 }  // namespace seam::measurement

@@ -258,29 +258,5 @@ TEST(MotorSearch, StepsTellTheMotorBeforeItsWander) {
   EXPECT_EQ(result.steps[0].effect, "motor_servo");
 }
 
-// A latency helps nothing before the friction is there, nor the friction before the latency is.
-TEST(MotorSearch, ALatencyComesWithTheFrictionThatItHides) {
-  const JointsProblem problem =
-      MadeSet("motor-late-friction", false)
-          .made_by(model_of("  motor_servo: {stall_rad_per_s2: 2250, back_emf_per_s: 14.5, gain: "
-                            "0.1}\n  gravity_torque: {rad_per_s2: 100, level_rad: -0.8}\n"
-                            "  load_friction: {fraction: 0.34}\n"
-                            "  servo_latency: {latency_s: 0.0135}\n"),
-                   6);
-  const Model base = model_of(
-      std::string(kFree) +
-      "  gravity_torque: {rad_per_s2: {value: 100, free: true}, level_rad: {value: -0.8, free: "
-      "true}}\n");
-  const Grown here{.added = {"motor_servo", "gravity_torque"},
-                   .assessment = assess(problem, base, refitted_unknowns(base))};
-  const auto alone = with_dependents(problem, here, {});
-  ASSERT_TRUE(alone);
-  EXPECT_GT(alone->grown.assessment.error, 10);
-  const auto all = with_all_of_servo(problem, here, {});
-  ASSERT_TRUE(all);
-  EXPECT_LT(all->grown.assessment.error, 1.2);
-  EXPECT_NEAR(all->grown.assessment.model.find("servo_latency")->value("latency_s"), 0.0135, 0.001);
-}
-
 }  // namespace
 }  // namespace seam::measurement

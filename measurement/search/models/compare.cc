@@ -137,8 +137,11 @@ double error_beside_outliers(const Problem& problem, const Model& model) {
   return few ? std::sqrt(of_others / others) : std::sqrt(all / count);
 }
 
-bool mark_outliers(Problem& problem, const Model& model, SearchResult& result) {
+bool mark_outliers(Problem& problem, const Model& model, SearchResult& result, bool keep) {
   std::vector<char> outliers = problem.find_outliers(model);
+  if (keep && problem.left_out().size() == outliers.size()) {
+    for (size_t i = 0; i < outliers.size(); ++i) outliers[i] |= problem.left_out()[i];
+  }
   const size_t count = static_cast<size_t>(std::count(outliers.begin(), outliers.end(), 1));
   result.outlier_share =
       static_cast<double>(count) / static_cast<double>(std::max<size_t>(1, outliers.size()));
@@ -156,20 +159,6 @@ bool mark_outliers(Problem& problem, const Model& model, SearchResult& result) {
                                .residual = evaluation.residual[i]});
   }
   return changed;
-}
-
-bool mark_gross_errors(Problem& problem, const Grown& base,
-                       const std::vector<Candidate>& candidates, SearchResult& result) {
-  if (base.assessment.error < kUseless) return false;
-  const Candidate* best = nullptr;
-  double least = kUseless;
-  for (const Candidate& candidate : candidates) {
-    const Assessment& there = candidate.grown.assessment;
-    if (only_widens(*candidate.effect) || there.error < kUseless) continue;
-    const double error = error_beside_outliers(problem, there.model);
-    if (error < least && kMuchBetter * error < there.error) least = error, best = &candidate;
-  }
-  return best != nullptr && mark_outliers(problem, best->grown.assessment.model, result);
 }
 
 CompareResult compare(Problem& problem, const Model& model, double material) {

@@ -46,7 +46,7 @@ std::vector<size_t> most_promising_first(const Prospects& prospects,
 
 std::optional<StepEnd> expected_end(const measurement::Problem& problem,
                                     const measurement::Grown& base, const Prospect& prospect) {
-  const double gain = prospect.expected.all - base.assessment.total_ll;
+  const double gain = prospect.expected_ll - base.assessment.total_ll;
   if (!prospect.step_to || !std::isfinite(gain) || !(gain > 0)) return std::nullopt;
   const double error = base.assessment.error;
   const double left = error * error - 2 * gain / static_cast<double>(count_used(problem));
