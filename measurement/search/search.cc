@@ -194,8 +194,12 @@ void Searcher::forward(SearchResult& result, std::optional<Grown> found) {
   result.first_is_of_base = !found;
   no_name_explains_ = false;
   std::vector<Candidate> traces;
-  result.best = found ? grow(*std::move(found), nullptr, traces) : grow(base_, &first_, traces);
-  result.last_traces = std::move(traces);
+  result.best = base_;
+  Grown alone = found ? grow(*std::move(found), nullptr, traces) : grow(base_, &first_, traces);
+  if (!(merit_of(alone) < merit_of(base_))) {  // Else the noise that has its size explains it.
+    result.best = std::move(alone);
+    result.last_traces = std::move(traces);
+  }
   if (misses(result.best.assessment) &&
       !explained_without_name(problem_, {base_, result.best}, material_, causes_))
     begin_with_moves(moves_ = look_at_moves(), result);

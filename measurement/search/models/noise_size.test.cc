@@ -23,13 +23,14 @@ Model described(const std::string& effects) {
 }
 
 // A study's set of a kind as this model has it.
-fs::path made_of(const std::string& kind, const std::string& truth, const std::string& name) {
+fs::path made_of(const std::string& kind, const std::string& truth, const std::string& name,
+                 uint64_t seed = 5) {
   const fs::path protocol = fs::path(testing::TempDir()) / (name + "-protocol"),
                  out = fs::path(testing::TempDir()) / name;
   fs::create_directories(protocol);
   fs::remove_all(out);
   write_study_protocol(kind, protocol);
-  measure_set(described(truth), MeasurementSet::open(protocol), {.seed = 5, .out = out});
+  measure_set(described(truth), MeasurementSet::open(protocol), {.seed = seed, .out = out});
   return out;
 }
 
@@ -59,6 +60,19 @@ TEST(NoiseSize, AWrongEstimateIsToldAgainAndNoNoiseIsNamed) {
   EXPECT_EQ(result.verdict, "missing_effect");
   EXPECT_NEAR(result.best.assessment.error, 1, 0.1);
   EXPECT_NEAR(problem->facts().channels[0].noise / before[0].noise, 1, 0.1);
+}
+
+// The noise that was found before goes again: the model with it is less likely than the one given.
+TEST(NoiseSize, AWrongEstimateAloneNamesNothing) {
+  for (uint64_t seed = 1; seed <= 4; ++seed) {
+    const fs::path set = made_of("odometry", "{ideal_odometry: {}}", "noise-alone", seed);
+    forget_noise(set);
+    const auto problem = open_problem(set);
+    problem->resize_noise(std::vector<double>(problem->facts().channels.size(), 0.4));
+    const SearchResult result = searched(*problem, "{ideal_odometry: {}}");
+    EXPECT_TRUE(result.best.added.empty()) << seed << " " << result.best.added.front();
+    EXPECT_EQ(result.verdict, "adequate") << seed;
+  }
 }
 
 TEST(NoiseSize, AStatedNoiseStaysAndWhatIsBeyondItIsNamed) {
