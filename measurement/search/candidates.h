@@ -21,8 +21,7 @@ struct NotTestable {
 struct Looks {
   std::vector<Candidate> candidates;  // Best first.
   std::vector<NotTestable> not_testable;
-  double tried = 0;        // Effects that were looked at, for the correction of p-values.
-  bool shortened = false;  // What promised too little, or had to wait, was not fitted.
+  double tried = 0;  // Effects that were looked at, for the correction of p-values.
 };
 
 // The effect as a set of this kind sees it: noises move statistics of whole runs, and are there

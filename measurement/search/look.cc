@@ -86,17 +86,12 @@ class Look {
     see_prospects();
     std::vector<char> worth(effects_.size(), 1);
     if (promising_only_) worth = worth_fitting(problem_, base_, prospects_);
-    for (size_t i = 0; i < effects_.size(); ++i)
-      looks_.shortened = looks_.shortened || (prospects_[i] && !worth[i]);
     here_ = problem_.evaluate_held_out(base_.assessment.model, problem_.scored_groups());
     // Where one sort clearly helps, the next wait for another look.
     for (int sort = 0; sort < kSorts; ++sort) {
       // Single large errors are told by no model that explains nothing.
       const bool useless = sort == kSorts - 1 && base_.assessment.error > kUseless;
-      if ((waits_ || useless) && any_helps()) {
-        looks_.shortened = looks_.shortened || waits_;
-        break;
-      }
+      if ((waits_ || useless) && any_helps()) break;
       for_all_effects("fitted effects", [&](size_t i) {
         if (prospects_[i] && worth[i] && sort_of(*effects_[i]) == sort) fit(i);
       });

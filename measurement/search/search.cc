@@ -38,7 +38,7 @@ class Searcher {
     return {.assessment = given};
   }
   Grown grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces);
-  Looks look(const Grown& grown, bool promising_only, Asked asked);
+  Looks look(const Grown& grown, bool promising_only);
   EffectList absent(const Model& model, bool moves) const;
   void forward(SearchResult& result, std::optional<Grown> found);
   bool mark_by(const Grown& best, SearchResult& result);
@@ -89,9 +89,9 @@ EffectList Searcher::absent(const Model& model, bool moves) const {
   return effects;
 }
 
-Looks Searcher::look(const Grown& grown, bool promising_only, Asked asked) {
+Looks Searcher::look(const Grown& grown, bool promising_only) {
   Looks looks = look_at(problem_, grown, absent(grown.assessment.model, /*moves=*/false), material_,
-                        promising_only, asked);
+                        promising_only, Asked::few_first);
   looks_ = std::max(looks_, looks.tried);
   return looks;
 }
@@ -105,7 +105,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
     const bool imitate = names_imitate(problem_, way, material_, causes_);
     progress_("step " + std::to_string(step + 1) + ": trying effects");
     const bool first = step == 0 && first_looks != nullptr;
-    Looks looks = first ? *first_looks : look(grown, /*promising_only=*/true, Asked::few_first);
+    Looks looks = first ? *first_looks : look(grown, /*promising_only=*/true);
     Candidate* next = choose_by_all_rows(problem_, grown, material_, looks);
     if (first) *first_looks = looks;
     traces = traces_of(looks.candidates);
@@ -188,7 +188,7 @@ void Searcher::forward(SearchResult& result, std::optional<Grown> found) {
   if (!found) {
     // The first look is what the user sees: every effect is fitted in it.
     progress_("step 1: trying effects");
-    first_ = look(base_, /*promising_only=*/false, Asked::few_first);
+    first_ = look(base_, /*promising_only=*/false);
     promising_.clear(), moves_ = {};
   }
   result.first_is_of_base = !found;
