@@ -81,7 +81,7 @@ std::optional<Grown> in_its_place(const Grown& grown, const std::string& out,
 }
 
 std::vector<double> key_of(const Problem& problem, const Grown& grown,
-                           const std::vector<std::string>& change = {}) {
+                           const std::vector<std::string>& change) {
   std::vector<double> key = key_of(problem, grown.assessment);
   for (const std::string& name : change) add_to_key(name, key);
   for (const std::string& name : grown.added) add_to_key(name, key);

@@ -164,9 +164,9 @@ bool Searcher::mark_by(const Grown& best, SearchResult& result) {
       error_beside_outliers(problem_, model) > kUseless)
     return false;
   const Model judge = judge_of_outliers(problem_, model_, best, large_errors_);
-  const bool again = marked_by_ == best.added && judge.effects().size() == model.effects().size();
+  const bool keep = marked_by_ == best.added && judge.effects().size() == model.effects().size();
   marked_by_ = best.added;
-  return mark_outliers(problem_, judge, result, again);
+  return mark_outliers(problem_, judge, result, keep);
 }
 
 // What explains the set is fitted again with other outliers marked, in turn until these stay, and
@@ -226,8 +226,8 @@ Looks Searcher::look_at_moves() const {
 void Searcher::begin_with_moves(const Looks& moves, SearchResult& result) {
   for (const Candidate& candidate : moves.candidates) {
     const bool fits = candidate.merit > merit_of(base_) + kOdds;
-    if (!candidate.significant && !fits) continue;
-    if (misses(result.best.assessment)) begin_with(candidate, result);
+    if ((candidate.significant || fits) && misses(result.best.assessment))
+      begin_with(candidate, result);
   }
 }
 
